@@ -1,4 +1,4 @@
-"""Relations between expressions, from which claims are built."""
+"""Relations between expressions, from which claims are built: comparisons, as ``V >= v_bar``."""
 
 from __future__ import annotations
 
@@ -24,15 +24,32 @@ class Relation:
     kind: str
 
 
-Relations: TypeAlias = "Relation | Sequence[Relations]"
-"""One relation, or groups of relations within groups, in their order."""
+Relations: TypeAlias = "Relation | ca.SX | Sequence[Relations]"
+"""One relation or comparison, or groups of them within groups, in their order."""
+KINDS = {ca.OP_LE: AT_LEAST, ca.OP_LT: ABOVE, ca.OP_EQ: EQUAL}
 
 
 def listed(relations: Relations) -> tuple[Relation, ...]:
     """Relations of all groups, in one list."""
     if isinstance(relations, Relation):
         return (relations,)
+    if isinstance(relations, ca.SX):
+        return (compared(relations),)
     return tuple(item for part in relations for item in listed(part))
+
+
+def compared(truth: ca.SX) -> Relation:
+    """What a comparison states; one that CasADi has decided is 0 = 0 or 1 = 0.
+
+    ValueError for another expression.
+    """
+    if truth.is_constant():
+        return equal(1, truth)
+    for operation, kind in KINDS.items():
+        if truth.is_scalar() and truth.is_op(operation):
+            left, right = truth.dep(0), truth.dep(1)
+            return Relation(left - right if kind == EQUAL else right - left, kind)
+    raise ValueError(f"no comparison of expressions: {truth}")
 
 
 def equal(left: Number, right: Number = 0) -> Relation:

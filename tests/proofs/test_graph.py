@@ -11,6 +11,7 @@ from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.control.laws import LAWS
 from wmr_proofs.claims.common import LawGraph, scalars
 from wmr_proofs.graph import _NAMES, graph_of, is_parameter
+from wmr_proofs.relation import above, at_least, equal, listed
 from wmr_proofs.symbols import symbols
 
 
@@ -126,3 +127,18 @@ def test_nothing_else_reads_the_instructions_of_casadi():
     ]
 
     assert readers == ["wmr_ctrl/world/model/graph.py"]
+
+
+@pytest.mark.parametrize(
+    "truth, relation",
+    [(X >= Y, at_least(X, Y)), (X < 1, above(1, X)), (X * Y == P, equal(X * Y, P)),
+     (X == X, equal(0)), (X * X < 0, equal(1))],
+)  # fmt: skip
+def test_comparison_is_a_relation(truth, relation):
+    (found,) = listed((truth,))
+    assert (str(found.expr), found.kind) == (str(relation.expr), relation.kind)
+
+
+def test_other_expressions_are_no_relation():
+    with pytest.raises(ValueError, match="no comparison"):
+        listed([X + Y])

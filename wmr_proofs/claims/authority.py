@@ -11,7 +11,7 @@ from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Ball, Point, Ring, Table
 from wmr_proofs.paper_functions import authority_limit
 from wmr_proofs.regions import at, axis_case, off_target_cases, open_cases
-from wmr_proofs.relation import above, at_least, equal
+from wmr_proofs.relation import equal
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -44,7 +44,7 @@ def falls_with_target(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     slope = ca.gradient(a.V / a.A, a.all[1]) * a.A**2
-    return a.states(equal(slope, mutation * a.V - a.w * a.A), at_least(-0.5 * a.w**2, slope))
+    return a.states(slope == mutation * a.V - a.w * a.A, -0.5 * a.w**2 >= slope)
 
 
 @claim("authority.rises", (74, 75), given=OFF_EDGES, by=Ring(open_cases()))
@@ -55,7 +55,7 @@ def rises(mutation: Mutation) -> Statement:
     """
     a, v, _, _, _ = barrier_axis()
     rise = ca.gradient(a.A, v)
-    return a.states(equal(ca.gradient(a.V, v), a.A), at_least(rise, mutation(1, 2)))
+    return a.states(ca.gradient(a.V, v) == a.A, rise >= mutation(1, 2))
 
 
 @claim("authority.lower-{name}", (9,), by=of_axis(table.low_points), over=AXES)
@@ -68,7 +68,7 @@ def low(mutation: Mutation) -> Statement:
     a = BarrierAxis()
     t = a | symbols("rho low", "rho")
     bound = mutation(t.low, 1.01 * t.low)
-    return Statement(t, (at_least(t.rho * a.V, bound * a.A), above(a.A)), a.inside)
+    return Statement(t, (t.rho * a.V >= bound * a.A, a.A > 0), a.inside)
 
 
 @claim(
@@ -89,8 +89,8 @@ def high(mutation: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = a | symbols("b rho high", "rho")
     later = barrier.lyapunov(t.b, c, u1, u2)
-    goals = at_least(mutation(t.high, 0.99 * t.high) * a.A, t.rho * later), above(a.A)
-    return Statement(t, goals, (a.inside, above(t.b, v), above(u1, t.b)))
+    goals = mutation(t.high, 0.99 * t.high) * a.A >= t.rho * later, a.A > 0
+    return Statement(t, goals, (a.inside, t.b > v, u1 > t.b))
 
 
 @claim("authority.links-{name}", (9,), by=of_axis(table.link_points), over=AXES)
@@ -105,7 +105,7 @@ def links(mutation: Mutation) -> Statement:
     begin = ca.if_else(t.first, a.x + t.high / t.rho, t.before)
     short = ca.if_else(t.last, u1 - 1.01 * table.CLIP - t.b, 0)
     longer = t.b - v - mutation(0, 1)
-    return Statement(t, (at_least(begin, v), at_least(0, short), above(longer)))
+    return Statement(t, (begin >= v, short <= 0, longer > 0))
 
 
 @claim("authority.rows-{name}", (9,), given="", by=of_axis(table.row_points), over=AXES)
@@ -118,7 +118,7 @@ def rows_cover(mutation: Mutation) -> Statement:
     begin = ca.if_else(t.first, t.c, 0)
     end = ca.if_else(t.last, t.c - table.LARGEST_TARGET * mutation(1, 1.01), 0)
     rise = ca.if_else(t.first, 1, t.c - t.before)
-    return Statement(t, (equal(begin), equal(end), above(rise)))
+    return Statement(t, (begin == 0, end == 0, rise > 0))
 
 
 @claim(
@@ -136,7 +136,7 @@ def ratio(mutation: Mutation) -> Statement:
     The bound on the disturbance is known to two per cent for every |v_c0| <= 20.
     """
     t = symbols("low high")
-    return Statement(t, at_least(100 * t.low, mutation(98, 99) * t.high))
+    return Statement(t, 100 * t.low >= mutation(98, 99) * t.high)
 
 
 @claim(
@@ -155,9 +155,9 @@ def shape(mutation: Mutation) -> Statement:
     d = u1 - a.x
     s = (u1 - v) / d
     return a.states(
-        equal(a.A * d * s, (1 - s) * (1 + mutation * d**2 * s)),
+        a.A * d * s == (1 - s) * (1 + mutation * d**2 * s),
         equal(a.V, 0.5 * d**2 * (1 - s) ** 2 - ca.log(s) - (1 - s)),
-        equal(c - u1, 1 / d - d),
+        c - u1 == 1 / d - d,
     )
 
 
@@ -175,7 +175,7 @@ def limit(mutation: Mutation) -> Statement:
     Far away, the barrier's authority fades like one over the distance.
     """
     t = symbols("s")
-    return Statement(t, at_least(mutation(0.2163, 0.2161), authority_limit(t.s)))
+    return Statement(t, mutation(0.2163, 0.2161) >= authority_limit(t.s))
 
 
 @claim(
@@ -187,4 +187,4 @@ def limit_reached(mutation: Mutation) -> Statement:
     The bound is attained.
     """
     t = symbols("s")
-    return Statement(t, at_least(authority_limit(t.s), mutation(0.2161, 0.2163)))
+    return Statement(t, authority_limit(t.s) >= mutation(0.2161, 0.2163))

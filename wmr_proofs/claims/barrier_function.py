@@ -7,7 +7,7 @@ from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Both, Refute, Ring
 from wmr_proofs.paper_functions import total_barrier
 from wmr_proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
-from wmr_proofs.relation import above, at_least, equal
+from wmr_proofs.relation import above, equal
 from wmr_proofs.statement import Statement
 
 from .common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
@@ -40,7 +40,7 @@ def two_axes(mutation: Mutation) -> Statement:
     """
     one, two = BarrierAxis("1"), BarrierAxis("2")
     columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
-    goal = equal(total_barrier(*columns), one.V + mutation * two.V)
+    goal = total_barrier(*columns) == one.V + mutation * two.V
     return one.states(goal, more=two)
 
 
@@ -63,7 +63,7 @@ def minimum(mutation: Mutation) -> Statement:
     """
     a, v, _, _, _ = barrier_axis()
     least = mutation(mutation * 0.5 * a.w**2, 0.6 * a.w**2)
-    return a.states(at_least(a.cost(v) - a.cost(a.x), least))
+    return a.states(a.cost(v) - a.cost(a.x) >= least)
 
 
 @claim("eq17-18.slope", (10, 18), form=OURS, by=Both(Ring(all_cases()), Z3()))
@@ -74,7 +74,7 @@ def slope_sign(mutation: Mutation) -> Statement:
     There is no valley in which the velocity could get stuck.
     """
     a = BarrierAxis()
-    return a.states(at_least((a.A - mutation(1, 1.25) * a.w) * a.w), given=a.inside)
+    return a.states((a.A - mutation(1, 1.25) * a.w) * a.w >= 0, given=a.inside)
 
 
 @claim("eq18.inside", (18,), form=OURS, by=Both(Ring(target_cases()), Z3()))
@@ -85,7 +85,7 @@ def inside(mutation: Mutation) -> Statement:
     """
     a, _, _, u1, u2 = barrier_axis()
     limit = mutation(u1, u2)
-    return a.states(above(limit, a.x), above(a.x, -limit), given=a.inside)
+    return a.states(limit > a.x, a.x > -limit, given=a.inside)
 
 
 @claim(
@@ -101,7 +101,7 @@ def stationary(mutation: Mutation) -> Statement:
     """
     a, _, c, u1, _ = barrier_axis()
     size = abs(a.x)
-    return a.states(equal(size + mutation / (u1 - size), abs(c)))
+    return a.states(size + mutation / (u1 - size) == abs(c))
 
 
 @claim("eq74", (10, 74), given=OFF_EDGES)
@@ -111,7 +111,7 @@ def slope(mutation: Mutation) -> Statement:
     A is the slope of the barrier function.
     """
     a = BarrierAxis()
-    return a.states(equal(ca.gradient(a.V, a.all[0]), mutation * a.A))
+    return a.states(ca.gradient(a.V, a.all[0]) == mutation * a.A)
 
 
 @claim("eq75", (11, 75), given=OFF_EDGES)
@@ -123,7 +123,7 @@ def curvature(mutation: Mutation) -> Statement:
     a, v, _, u1, u2 = barrier_axis()
     second = ca.hessian(a.V, v)[0]
     bend = ca.if_else(barrier.h(v, u2), mutation / (u1 - abs(v)) ** 2, 0)
-    return a.states(equal(second, 1 + bend), at_least(second, 1))
+    return a.states(second == 1 + bend, second >= 1)
 
 
 @claim("eq76-77", (76, 77))
@@ -135,7 +135,7 @@ def half_square(mutation: Mutation) -> Statement:
     a, v, _, _, _ = barrier_axis()
     square = 0.5 * a.w**2
     second = ca.hessian(square, v)[0]
-    return a.states(equal(ca.gradient(square, v), mutation * a.w), equal(second, 1))
+    return a.states(ca.gradient(square, v) == mutation * a.w, equal(second, 1))
 
 
 @claim("eq78", (78,), by=Ring(target_cases()))
@@ -145,7 +145,7 @@ def zero_at_target(mutation: Mutation) -> Statement:
     The target velocity has the value 0.
     """
     a, _, c, u1, u2 = barrier_axis()
-    return a.states(equal(barrier.lyapunov(mutation * a.x, c, u1, u2)))
+    return a.states(barrier.lyapunov(mutation * a.x, c, u1, u2) == 0)
 
 
 @claim("eq79.printed", (79,), given="every v_c0", by=Refute(IN_R2))
@@ -156,7 +156,7 @@ def flat_at_target(mutation: Mutation) -> Statement:
     v_u2|.
     """
     a, _, c, u1, u2 = barrier_axis()
-    return a.states(equal(barrier.a_term(a.x, mutation * c, u1, u2)))
+    return a.states(barrier.a_term(a.x, mutation * c, u1, u2) == 0)
 
 
 @claim(
@@ -182,7 +182,7 @@ def curvatures_compared(mutation: Mutation) -> Statement:
     """
     a, v, _, _, _ = barrier_axis()
     second, plain = ca.hessian(a.V, v)[0], ca.hessian(0.5 * a.w**2, v)[0]
-    return a.states(at_least(second, mutation(1, 1.5) * plain), above(plain))
+    return a.states(second >= mutation(1, 1.5) * plain, above(plain))
 
 
 @claim("eq81", (81,), by=Ring(all_cases(), log_lemma=True), premises="lemma.log")
@@ -192,7 +192,7 @@ def lower_bound(mutation: Mutation) -> Statement:
     If the barrier function is small, the velocity is near its target.
     """
     a = BarrierAxis()
-    return a.states(at_least(a.V, mutation(0.5, 0.6) * a.w**2))
+    return a.states(mutation(0.5, 0.6) * a.w**2 <= a.V)
 
 
 @claim(
@@ -208,4 +208,4 @@ def near_target(mutation: Mutation) -> Statement:
     True under the same hypotheses.
     """
     a, v, c, _, _ = barrier_axis()
-    return a.states(at_least(2 * a.V, mutation(1, 1.2) * (v - c) ** 2))
+    return a.states(mutation(1, 1.2) * (v - c) ** 2 <= 2 * a.V)

@@ -10,7 +10,7 @@ from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, drive_back, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, equal, positive
+from wmr_proofs.relation import Relations, between, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
@@ -27,16 +27,16 @@ claim = Claims(by=Z3())
 
 def sound(b: FirstOrder) -> Relations:
     """0 < K_min <= K_max, 0 <= dbar < V."""
-    return _signs(b), above(b.V, b.dbar)
+    return _signs(b), b.dbar < b.V
 
 
 def admits(b: FirstOrder) -> Relations:
     """0 < K_min <= K_max, 0 <= dbar <= V."""
-    return _signs(b), at_least(b.V, b.dbar)
+    return _signs(b), b.dbar <= b.V
 
 
 def _signs(b: FirstOrder) -> Relations:
-    return above(b.K_min), at_least(b.K_max, b.K_min), at_least(b.dbar)
+    return b.K_min > 0, b.K_max >= b.K_min, b.dbar >= 0
 
 
 class FilterAxis(Named):
@@ -58,8 +58,8 @@ class FilterAxis(Named):
     def relaxing(self) -> Relations:
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
         e, E = self.e, self.E
-        ratio = equal(self.kappa * (1 - e), e)
-        return above(e), above(1, e), between(e, E, 1), ratio
+        ratio = self.kappa * (1 - e) == e
+        return e > 0, e < 1, between(e, E, 1), ratio
 
 
 @claim("filter.drive", given=ANY_SIDE)
@@ -71,11 +71,11 @@ def driven(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     inside = between(a.K_min, a.K, a.K_max)
-    given = admits(a.bounds), inside, at_least(a.dbar, mutation(1, 0.9) * a.d)
+    given = admits(a.bounds), inside, a.dbar >= mutation(1, 0.9) * a.d
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
-    least = at_least(ahead, reached + a.d), at_least(back, a.d - reached)
-    most = at_least(highest(u, b), ahead), at_least(highest(-u, b), back)
+    least = ahead >= reached + a.d, back >= a.d - reached
+    most = highest(u, b) >= ahead, highest(-u, b) >= back
     return Statement(a, (least, most), given)
 
 
@@ -97,9 +97,9 @@ def inside(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, E = a.bounds, a.E
-    known = at_least(a.v_bar, a.v), at_least(b.V, mutation(1, 0.99) * a.v_bar)
-    sent = at_least(a.hi, a.u), at_least(drive(a.u, b), a.mean)
-    goal = at_least(b.V, E * a.v + (1 - E) * a.mean)
+    known = a.v_bar >= a.v, mutation(1, 0.99) * a.v_bar <= b.V
+    sent = a.hi >= a.u, drive(a.u, b) >= a.mean
+    goal = E * a.v + (1 - E) * a.mean <= b.V
     return Statement(a, goal, (admits(a.bounds), a.relaxing, known, sent))
 
 
@@ -112,8 +112,8 @@ def contains_clip(mutation: Mutation) -> Statement:
     a = FilterAxis()
     b = a.bounds
     smallest = (b.V - b.dbar) / b.K_max
-    given = admits(a.bounds), at_least(b.V, mutation(1, 0.99) * a.v_bar), at_least(b.kappa)
-    goals = at_least(a.hi, smallest), at_least(smallest), equal(largest_command(b.V, b), smallest)
+    given = admits(a.bounds), mutation(1, 0.99) * a.v_bar <= b.V, b.kappa >= 0
+    goals = a.hi >= smallest, smallest >= 0, largest_command(b.V, b) == smallest
     return Statement(a, goals, given)
 
 
@@ -129,9 +129,9 @@ def necessary(mutation: Mutation) -> Statement:
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
-    given = admits(a.bounds), a.relaxing, above(a.u, mutation(1, 0.99) * a.hi), at_least(a.u)
+    given = admits(a.bounds), a.relaxing, a.u > mutation(1, 0.99) * a.hi, a.u >= 0
     end = e * a.v_bar + (1 - e) * (b.K_max * a.u + b.dbar)
-    return Statement(a, above(end, b.V), given)
+    return Statement(a, end > b.V, given)
 
 
 @claim(
@@ -145,10 +145,10 @@ def estimate(mutation: Mutation) -> Statement:
     The bound on the speed that is carried from sample to sample remains a bound.
     """
     t = symbols("v w mean target least share most")
-    bounds = at_least(t.w, t.v), at_least(t.target, t.mean), at_least(t.least)
-    shares = between(mutation(1, 0.9) * t.least, t.share, t.most), at_least(1, t.most)
+    bounds = t.w >= t.v, t.target >= t.mean, t.least >= 0
+    shares = between(mutation(1, 0.9) * t.least, t.share, t.most), t.most <= 1
     end = governor.relaxed(t.w, t.target, t.most, t.least)
-    goal = at_least(end, t.v + t.share * (t.mean - t.v))
+    goal = end >= t.v + t.share * (t.mean - t.v)
     return Statement(t, goal, (bounds, shares))
 
 
@@ -161,7 +161,7 @@ def curvature(mutation: Mutation) -> Statement:
     t = symbols("r1 lo1 hi1 r2 lo2 hi2")
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
     eta = mutation(1, 1.01) * ca.fmin(*governor.admitted(r, lo, hi))
-    goals = [above(eta), at_least(1, eta)]
-    goals += [at_least(hi[i], eta * r[i]) for i in (0, 1)]
-    goals += [at_least(eta * r[i], lo[i]) for i in (0, 1)]
+    goals = [eta > 0, eta <= 1]
+    goals += [hi[i] >= eta * r[i] for i in (0, 1)]
+    goals += [eta * r[i] >= lo[i] for i in (0, 1)]
     return Statement(t, goals, positive(*hi, *(-item for item in lo)))

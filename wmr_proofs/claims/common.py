@@ -14,7 +14,7 @@ from wmr_ctrl.world.model.system import Port, System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import rows
-from wmr_proofs.relation import Cuts, Relations, above
+from wmr_proofs.relation import Cuts, Relations
 from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 
 PRESET = "paper-simulation"
@@ -93,7 +93,7 @@ class BarrierAxis(Named):
     def inside(self) -> Relations:
         """0 < u2 < u1 and |v| < u1, as hypotheses."""
         v, _, u1, u2 = self.all
-        return above(u2), above(u1, u2), above(u1, v), above(v, -u1)
+        return u2 > 0, u1 > u2, u1 > v, v > -u1
 
 
 def barrier_axis() -> tuple[BarrierAxis, ca.SX, ca.SX, ca.SX, ca.SX]:

@@ -16,7 +16,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Ring
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
 from wmr_proofs.regions import POSITIVE, Case
-from wmr_proofs.relation import at_least, equal
+from wmr_proofs.relation import equal
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -56,7 +56,7 @@ def target(mutation: Mutation) -> Statement:
     The generated code aims where the paper aims.
     """
     a, _, c, u1, u2 = barrier_axis()
-    return a.states(equal(stable.stable_minimiser(c, u1, u2), mutation * a.x))
+    return a.states(stable.stable_minimiser(c, u1, u2) == mutation * a.x)
 
 
 @claim("forms.w", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(regions.all_cases()))
@@ -66,7 +66,7 @@ def distance(mutation: Mutation) -> Statement:
     The distance to the target is right even where it is computed in another way.
     """
     a = BarrierAxis()
-    return a.states(equal(a.stable.w, a.all[0] - mutation * a.x), equal(a.stable.v_c1, a.x))
+    return a.states(a.stable.w == a.all[0] - mutation * a.x, a.stable.v_c1 == a.x)
 
 
 @claim("forms.V1", (12, 20), given=ALL_LIMITS + NO_SERIES)
@@ -86,7 +86,7 @@ def quotient(mutation: Mutation) -> Statement:
     The feedback term is the paper's, without a division by A = 0.
     """
     a = BarrierAxis()
-    return a.states(equal(a.stable.V1_over_A * a.A, mutation * a.V))
+    return a.states(a.stable.V1_over_A * a.A == mutation * a.V)
 
 
 @claim("forms.q", (9, 10), given=ALL_LIMITS + FINITE)
@@ -96,7 +96,7 @@ def q(mutation: Mutation) -> Statement:
     The feed-forward factor is the paper's, with its limit at A = 0.
     """
     a = BarrierAxis()
-    return a.states(equal(a.stable.q * a.A, mutation * a.w))
+    return a.states(a.stable.q * a.A == mutation * a.w)
 
 
 @claim("forms.closed", (15,), given="0.05 <= |y|, y < 1", by=Ring(BEYOND, CLOSED_FORM))
@@ -107,7 +107,7 @@ def closed_slope(mutation: Mutation) -> Statement:
     """
     t = symbols("y")
     y = t.y
-    return Statement(t, equal(ca.gradient(y * stable._chi(y, 1 - y), y), 1 / (1 - y) - mutation))
+    return Statement(t, ca.gradient(y * stable._chi(y, 1 - y), y) == 1 / (1 - y) - mutation)
 
 
 @claim(
@@ -129,7 +129,7 @@ def series_slope(mutation: Mutation) -> Statement:
     chi = stable._chi(y, 1 - y)
     slope = (1 / (1 - y) - 1) - ca.gradient(y * chi, y)
     bound = mutation(2.0**-51, 2.0**-56) * abs(y)
-    return Statement(t, (at_least(bound, slope), at_least(bound, -slope)))
+    return Statement(t, (bound >= slope, bound >= -slope))
 
 
 def _compiled(a: BarrierAxis) -> Barrier:
@@ -172,7 +172,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     t = symbols("y v u1 u2", "u1 u2")
     y, v, u1, u2 = t.values()
     line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
-    return Statement(t, at_least(smooth_f(y, u1, u2), line + mutation(0, (y - v) ** 2)))
+    return Statement(t, smooth_f(y, u1, u2) >= line + mutation(0, (y - v) ** 2))
 
 
 @smooth_claim("smooth.v_c1", by=Ring(EVERY), premises=f"prox.optimal {COVERED}")
@@ -183,7 +183,7 @@ def smooth_target(mutation: Mutation) -> Statement:
     """
     a, v, c, u1, u2 = barrier_axis()
     found, nearest = _compiled(a), resolvent(c, ca.SX(1), u1, u2, smooth=True)
-    return a.states(equal(found.v_c1, mutation * nearest), equal(found.w, v - nearest))
+    return a.states(found.v_c1 == mutation * nearest, found.w == v - nearest)
 
 
 @smooth_claim(
@@ -199,7 +199,7 @@ def slope(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     found = _compiled(a)
-    return a.states(equal(found.q * ca.gradient(found.V1, a.all[0]), mutation * found.w))
+    return a.states(found.q * ca.gradient(found.V1, a.all[0]) == mutation * found.w)
 
 
 @smooth_claim("smooth.quotient", given=ALL_LIMITS + NO_SERIES)
@@ -210,7 +210,7 @@ def smooth_quotient(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     found = _compiled(a)
-    return a.states(equal(found.V1_over_A * found.w, mutation * found.q * found.V1))
+    return a.states(found.V1_over_A * found.w == mutation * found.q * found.V1)
 
 
 @smooth_claim("prox.smooth-ratio", by=Ring(EVERY), premises=f"smooth.slope {COVERED}")
@@ -223,4 +223,4 @@ def ratio(mutation: Mutation) -> Statement:
     found = _compiled(a)
     m = ca.fmax(abs(v), abs(found.v_c1))
     top = (1 + mutation(1, 0.9) / (u1 - m) ** 2) * found.q
-    return a.states(at_least(1, found.q), at_least(top, 1))
+    return a.states(found.q <= 1, top >= 1)

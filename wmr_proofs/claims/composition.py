@@ -21,12 +21,8 @@ from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.paper_functions import target_rate
 from wmr_proofs.regions import POSITIVE, Case, target_cases
 from wmr_proofs.relation import (
-    Relation,
     Relations,
-    above,
-    at_least,
     between,
-    equal,
     every,
     when,
     within,
@@ -53,7 +49,7 @@ def believed(mutation: Mutation) -> Statement:
     """
     law = LawGraph("mb")
     mass, t = law.own(law.context.mass), law.symbols
-    return Statement(t, (equal(mass[0], mutation * t["model.m"]), equal(mass[1], t["model.I"])))
+    return Statement(t, (mass[0] == mutation * t["model.m"], mass[1] == t["model.I"]))
 
 
 @claim("eq18.rate", (18, 23), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
@@ -65,7 +61,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
     a, _, c, u1, u2 = barrier_axis()
     t = a | symbols("cdot")
     rate = target_rate(c, t.cdot, u1, u2)
-    return Statement(t, equal(rate, mutation * ca.gradient(a.x, c) * t.cdot))
+    return Statement(t, rate == mutation * ca.gradient(a.x, c) * t.cdot)
 
 
 @claim("reference.{kind}", given="rates and radius > 0{more}", by=POSITIVE_RATES, over=MOTIONS)
@@ -82,11 +78,11 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     first = ca.jacobian(y, t.t)
     second = ca.jacobian(first, t.t)
     turned = first[0] * second[1] - first[1] * second[0]
-    fast = equal(first[0] ** 2 + first[1] ** 2, mutation * y[3] ** 2 + (1 - mutation))
-    goals: Relations = (fast, equal(turned, y[3] ** 2 * y[4]), every(first[2:5], y[4:7]))
+    fast = first[0] ** 2 + first[1] ** 2 == mutation * y[3] ** 2 + (1 - mutation)
+    goals: Relations = (fast, turned == y[3] ** 2 * y[4], every(first[2:5], y[4:7]))
     if kind == "line":
-        ahead = (equal(first[0], -ca.sin(y[2]) * y[3]), equal(first[1], ca.cos(y[2]) * y[3]))
-        goals = goals, ahead, equal(y[3], t.ref_speed)
+        ahead = (first[0] == -ca.sin(y[2]) * y[3], first[1] == ca.cos(y[2]) * y[3])
+        goals = goals, ahead, y[3] == t.ref_speed
     return Statement(t, goals)
 
 
@@ -121,7 +117,7 @@ def prediction_times(mutation: Mutation) -> Statement:
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
     total = reduce(ca.SX.__add__, times)
     each = [between(0, time, period) for time in times]
-    return Statement(t, (equal(total, mutation * delay), each), between(0, delay, MOST * period))
+    return Statement(t, (total == mutation * delay, each), between(0, delay, MOST * period))
 
 
 @prediction_claim("prediction.order", given=f"delay >= 0, T > 0; j = 1 to {MOST - 1}")
@@ -133,8 +129,8 @@ def oldest_first(mutation: Mutation) -> Statement:
     t = symbols("delay period")
     delay, period = t.delay, t.period
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
-    goals = [equal(older * (newer - mutation * period)) for newer, older in pairwise(times)]
-    return Statement(t, goals, (at_least(delay), above(period)))
+    goals = [older * (newer - mutation * period) == 0 for newer, older in pairwise(times)]
+    return Statement(t, goals, (delay >= 0, period > 0))
 
 
 @prediction_claim("prediction.friction", given="F1(u) u >= 0")
@@ -146,10 +142,10 @@ def friction(mutation: Mutation) -> Statement:
     t = symbols("free taken")
     free, taken = t.free, t.taken
     after = slowed(free, taken)
-    slows = at_least(after * free), at_least(mutation * abs(free), abs(after))
+    slows = after * free >= 0, mutation * abs(free) >= abs(after)
     less = ca.fmax(abs(free) - abs(taken), 0)
-    goals = slows, equal(less * (after - free + taken))
-    return Statement(t, goals, at_least(taken * free))
+    goals = slows, less * (after - free + taken) == 0
+    return Statement(t, goals, taken * free >= 0)
 
 
 piece_claim = Claims(by=Z3())
@@ -168,12 +164,12 @@ def lemma_piece(mutation: Mutation) -> Statement:
     a, t = GuardAxis(), symbols("end drag push")
     v, end, edge = a.v, t.end, a.f_speed
     above_edge = ca.logic_or(v > edge, end > edge)
-    sizes = at_least(a.mass, a.M_min), at_least(a.t), within(t.push, a.dbar)
-    sides = at_least((v - edge) * (end - edge)), when(above_edge, at_least(t.drag, a.f_min))
-    moves = equal(a.mass * (end - v), a.t * (a.asked - t.drag + t.push))
+    sizes = a.mass >= a.M_min, a.t >= 0, within(t.push, a.dbar)
+    sides = (v - edge) * (end - edge) >= 0, when(above_edge, t.drag >= a.f_min)
+    moves = a.mass * (end - v) == a.t * (a.asked - t.drag + t.push)
     given = a.sound(), sizes, sides, moves
     most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
-    return Statement(a | t, at_least(most, ca.fmax(end, edge)), given)
+    return Statement(a | t, most >= ca.fmax(end, edge), given)
 
 
 @piece_claim(
@@ -192,8 +188,8 @@ def delay_step(mutation: Mutation) -> Statement:
         most = ca.fmax(way * a.y + a.nbar, a.f_speed) + a("", way)
         gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
         reached = ca.fmin(a.arrived, most) + gained
-        goals.append(at_least(most + mutation(1, 0.9) * sum_of, reached))
-    given = a.sound(), at_least(a.mass, a.M_min), between(0, a.since, a.periods * a.period)
+        goals.append(most + mutation(1, 0.9) * sum_of >= reached)
+    given = a.sound(), a.mass >= a.M_min, between(0, a.since, a.periods * a.period)
     return Statement(a, goals, given)
 
 
@@ -220,9 +216,9 @@ def mean_piece(mutation: Mutation) -> Statement:
         speeds = [ca.fmax(way * item, b.f_speed) for item in v]
         for k, name in enumerate(("other", "sent")):
             gain = b.period * ca.fmax(way * a[name] + a.net, 0) / b.M_min
-            given.append(at_least(speeds[k] + gain, speeds[k + 1]))
+            given.append(speeds[k] + gain >= speeds[k + 1])
         reached = seen.reached(ca.fmax(way * a.y + b.nbar, b.f_speed), b)
-        goals.append(at_least(reached, speeds[2]))
+        goals.append(reached >= speeds[2])
     return Statement(a | t, goals, given)
 
 
@@ -239,13 +235,13 @@ def convex(mutation: Mutation) -> Statement:
         mixed, first, second = (
             push([force], a.bounds, way) for force in (w * forces[0] + (1 - w) * forces[1], *forces)
         )
-        goals.append(at_least(w * first + mutation(1 - w, w) * second, mixed))
+        goals.append(w * first + mutation(1 - w, w) * second >= mixed)
     return Statement(a | {"w": w}, goals, between(0, w, 1))
 
 
-def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relation:
+def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relations:
     """The value is 0 at one point."""
-    return equal(ca.substitute(value, t, ca.SX(where)))
+    return ca.substitute(value, t, ca.SX(where)) == 0
 
 
 @piece_claim("lemma.log", (15,), given="t > 0", by=Z3(), premises="lemma.integration")
@@ -256,8 +252,8 @@ def logarithm(mutation: Mutation) -> Statement:
     """
     t = ca.SX.sym("t")
     gap = t - 1 - mutation(1, 2) * ca.log(t)
-    goals = vanishes(gap, t, 1), at_least(ca.gradient(gap, t) * (t - 1))
-    return Statement({"t": t}, goals, above(t))
+    goals = vanishes(gap, t, 1), ca.gradient(gap, t) * (t - 1) >= 0
+    return Statement({"t": t}, goals, t > 0)
 
 
 @piece_claim(
@@ -279,6 +275,6 @@ def sine(mutation: Mutation) -> Statement:
     gap, rise = t - ca.sin(t), t**2 / 2 - 1 + ca.cos(t)
     slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
     at_0 = [vanishes(value, t, 0) for value in (gap, rise, slope)]
-    rates = equal(ca.gradient(rise, t), gap), equal(t**2 * ca.gradient(share, t), mutation * slope)
-    goals = at_0, at_least(ca.gradient(gap, t)), rates, at_least(-ca.gradient(slope, t))
-    return Statement(names, goals, (above(t), at_least(ca.sin(t))))
+    rates = ca.gradient(rise, t) == gap, t**2 * ca.gradient(share, t) == mutation * slope
+    goals = at_0, ca.gradient(gap, t) >= 0, rates, -ca.gradient(slope, t) >= 0
+    return Statement(names, goals, (t > 0, ca.sin(t) >= 0))

@@ -19,10 +19,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Relations,
-    above,
-    at_least,
     between,
-    equal,
     every,
     nonnegative,
     positive,
@@ -61,9 +58,9 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     most = [t.A, t.B] * ("axes" in kinds) + [t.C, t.C] * ("wheels" in kinds)
     channels, asked = [*axes, *wheels], (t.v, t.omega)
     sent = scaled(asked, channels, [-item for item in most], most, scale)
-    given = [above(item, 1e-29) for item in (t.l, t.A, t.B, t.C)]
+    given = [item > 1e-29 for item in (t.l, t.A, t.B, t.C)]
     for channel, size in zip(channels, most, strict=True):
-        given.append(at_least(mutation(1, 2) * size, abs(channel.of(asked))))
+        given.append(mutation(1, 2) * size >= abs(channel.of(asked)))
     return Statement(t, every(sent, ca.vertcat(*asked)), given)
 
 
@@ -78,8 +75,8 @@ def dead_band(mutation: Mutation) -> Statement:
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
         beyond = abs(g.system.u[i]) > size
-        goals.append(at_least(mutation(1, 0.9) * abs(most[i]), abs(off)))
-        goals.append(at_least(0, ca.if_else(beyond, abs(off), 0)))
+        goals.append(mutation(1, 0.9) * abs(most[i]) >= abs(off))
+        goals.append(ca.if_else(beyond, abs(off), 0) <= 0)
     return g.states(goals, given=nonnegative(*ca.vertsplit(g.column("base.deadband"))))
 
 
@@ -92,7 +89,7 @@ def wheel_speed(mutation: Mutation) -> Statement:
     g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, {"base.w_max": 10.0})
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
     speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
-    slow = [at_least(mutation(1, 2) * r * most, speed) for speed in speeds]
+    slow = [mutation(1, 2) * r * most >= speed for speed in speeds]
     given = positive(r, l, most), slow
     return g.states(every(g.system.y, g.system.u), given=given)
 
@@ -109,7 +106,7 @@ def pi_loop(mutation: Mutation) -> Statement:
     graph = plain.system.function("plain", [plain.system.update, plain.system.y])
     following, torque = graph(own.u, own.x, own.p)
     most = g["actuator.tau_max"]
-    weak = [above(mutation(1, 2) * most, abs(torque[i])) for i in (0, 1)]
+    weak = [mutation(1, 2) * most > abs(torque[i]) for i in (0, 1)]
     given = g.above_zero("robot.r", "robot.l", "actuator.tau_max"), weak
     return g.states(every(own.update, following), every(own.y, torque), given=given)
 
@@ -146,17 +143,17 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
             for F in (way * t.force, ca.SX(0)):
                 room = S * (t.u1 - w - t[side])
                 again = t[f"a_{side}"] if jitters else ca.SX(0)
-                sizes.append(at_least(room - S * again, F + b.net))
+                sizes.append(room - S * again >= F + b.net)
                 if jitters:
-                    sizes.append(at_least(room, c * mutation(1, 0.5) * (F + b.net)))
+                    sizes.append(room >= c * mutation(1, 0.5) * (F + b.net))
     if not jitters:
-        sizes[0] = at_least(mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead), t.force + b.net)
+        sizes[0] = mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead) >= t.force + b.net
     given = (
         positive(t.M_min, t.M_max, t.alpha, t.period, t.u1, t.delay, S),
-        [at_least(c, 1)] * jitters, nonnegative(b.net, t.a_ahead, t.a_back),
-        at_least(t.largest, abs(t.force)), sizes,
+        [c >= 1] * jitters, nonnegative(b.net, t.a_ahead, t.a_back),
+        t.largest >= abs(t.force), sizes,
     )  # fmt: skip
-    goals = tuple(equal(clipped(asked, t.y, b, coming), asked) for asked in (t.force, ca.SX(0)))
+    goals = tuple(clipped(asked, t.y, b, coming) == asked for asked in (t.force, ca.SX(0)))
     return Statement(t, goals, given, cuts)
 
 
@@ -176,8 +173,8 @@ def late_sums(mutation: Mutation) -> Statement:
     for way, side in ((1, sums.ahead), (-1, sums.back)):
         worst = ca.fmax(way * t.F1, way * t.F2)
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
-        goals.append(at_least(scale * most, side))
-    largest = at_least(t.N, b.net), at_least(t.N, abs(t.F1)), at_least(t.N, abs(t.F2))
+        goals.append(scale * most >= side)
+    largest = b.net <= t.N, abs(t.F1) <= t.N, abs(t.F2) <= t.N
     given = positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest
     return Statement(t, goals, given)
 
@@ -201,14 +198,14 @@ def overtaken(mutation: Mutation) -> Statement:
     arrived = g["tau_right"]
     before = ca.if_else(t.phase <= 0, last, t.older)
     given = (
-        above(h), equal(width, t.most * h), between(0, t.drawn, t.most),
-        at_least(t.phase), at_least(t.steps, 1), at_least(t.steps, t.phase + 1),
-        at_least(t.steps, due), at_least(due), when(t.phase > 0, equal(last, arrived)),
-        equal((acting - last) * (acting - mutation(t.older, t.older + 1))),
-        when(ca.logic_and(t.phase <= 0, due < t.steps), equal(acting, last)),
+        h > 0, width == t.most * h, between(0, t.drawn, t.most),
+        t.phase >= 0, t.steps >= 1, t.steps >= t.phase + 1,
+        t.steps >= due, due >= 0, when(t.phase > 0, last == arrived),
+        (acting - last) * (acting - mutation(t.older, t.older + 1)) == 0,
+        when(ca.logic_and(t.phase <= 0, due < t.steps), acting == last),
     )  # fmt: skip
-    one_of = equal((now - arrived) * (now - before))
-    goals = one_of, equal(waiting, arrived), when(t.phase >= wait, equal(now, arrived))
+    one_of = (now - arrived) * (now - before) == 0
+    goals = one_of, waiting == arrived, when(t.phase >= wait, now == arrived)
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
@@ -225,10 +222,10 @@ def ramped(mutation: Mutation) -> Statement:
     for i in (0, 1):
         now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
         after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]
-        given += [at_least(rate, a["a"]) for rate in rates]
+        given += [rate >= a["a"] for rate in rates]
         left, was = abs(wanted - after), abs(wanted - now)
-        goals.append(at_least((after - now) * (wanted - after)))
-        taken = at_least(ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0), left)
+        goals.append((after - now) * (wanted - after) >= 0)
+        taken = ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0) >= left
         goals.append(when(now * wanted >= 0, taken))
         goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
     goals += every(g.system.update, g.system.y)

@@ -13,7 +13,7 @@ from wmr_ctrl.control.laws.velocity_loop import cut
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import above, at_least, equal, every, nonnegative, positive
+from wmr_proofs.relation import every, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -40,9 +40,9 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     t, carried = s.inputs, s.free.carried
     plainly = carried_plainly(t.v, t.c, t.followed)
     after = mixture(plainly, t.target, s.shares)
-    near = [at_least(t.u2, way * after) for way in (1, -1)]
-    given = equal(carried, plainly), above(1e100, t.u2), near
-    return s.states((equal(s.end, mutation(after, after + carried)),), given, ("carried",))
+    near = [t.u2 >= way * after for way in (1, -1)]
+    given = carried == plainly, t.u2 < 1e100, near
+    return s.states((s.end == mutation(after, after + carried),), given, ("carried",))
 
 
 @claim("corridor.mb", given="0 < v_u2 < v_u1, v_u2 < 1e100", each=EITHER_BARRIER)
@@ -53,9 +53,9 @@ def mb(mutation: Mutation, smooth: bool) -> Statement:
     """
     t = symbols("v c u1 u2", "u1 u2")
     barrier = (smooth_barrier if smooth else stable_barrier)(t.c, t.v, t.u1, t.u2)
-    near = [at_least(mutation(1, 2) * t.u2, abs(item)) for item in (t.v, t.c)]
-    given = above(t.u2), above(t.u1, t.u2), above(1e100, t.u2), near
-    goals = equal(2 * barrier.V1_over_A, t.v - t.c), equal(barrier.q, 1)
+    near = [mutation(1, 2) * t.u2 >= abs(item) for item in (t.v, t.c)]
+    given = t.u2 > 0, t.u1 > t.u2, t.u2 < 1e100, near
+    goals = 2 * barrier.V1_over_A == t.v - t.c, barrier.q == 1
     return Statement(t, goals, given)
 
 
@@ -68,7 +68,7 @@ def kanayama(mutation: Mutation) -> Statement:
     t = symbols("a b A B", "A B")
     values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
     left = cut(values, most)
-    inside = [at_least(mutation(1, 2) * most[i], abs(values[i])) for i in (0, 1)]
+    inside = [mutation(1, 2) * most[i] >= abs(values[i]) for i in (0, 1)]
     return Statement(t, every(left, values), (nonnegative(t.A, t.B), inside))
 
 
@@ -89,10 +89,10 @@ def guard(mutation: Mutation) -> Statement:
     near, far = (slope * (t.u1 - t[name]) - net for name in ("nbar", "f_speed"))
     sizes = (t.force + slope * t.y, near), (slope * t.y, near), (t.force, far)
     held = guarded(ca.vertcat(t.force, 0), ca.vertcat(t.y, 0), bounds)
-    free = [at_least(most, mutation(1, 0.5) * abs(size)) for size, most in sizes]
+    free = [most >= mutation(1, 0.5) * abs(size) for size, most in sizes]
     signs = positive(t.M_min, t.M_max, t.alpha, t.period, t.u1), nonnegative(t.nbar, t.f_speed)
     given = signs, nonnegative(t.brake, net), free
-    return Statement(t, (equal(held.force[0], t.force), equal(held.safe[0])), given)
+    return Statement(t, (held.force[0] == t.force, held.safe[0] == 0), given)
 
 
 @claim(
@@ -110,7 +110,7 @@ def wheels(mutation: Mutation, key: str) -> Statement:
     torque = force_to_wheel(t.r, t.half, force)
     phi = full_thrust(t.r, t.tau)
     mapped = MAPS[key](force, phi, t.half, ca.SX.zeros(2))
-    weak = [at_least(mutation(1, 2) * t.tau, abs(torque[i])) for i in (0, 1)]
+    weak = [mutation(1, 2) * t.tau >= abs(torque[i]) for i in (0, 1)]
     return Statement(t, every(mapped, force), (positive(t.r, t.half, t.tau), weak))
 
 
@@ -122,7 +122,7 @@ def product(mutation: Mutation) -> Statement:
     """
     t = symbols("a b P Q ratio", "P Q ratio")
     sums = (t.a + t.ratio * t.b, t.a - t.ratio * t.b)
-    given = above(t.ratio), at_least(t.P, abs(sums[0])), at_least(t.Q, abs(sums[1]))
+    given = t.ratio > 0, abs(sums[0]) <= t.P, abs(sums[1]) <= t.Q
     largest = ca.fmax(t.P * t.P, t.Q * t.Q)
     size = mutation(4, 5) * t.ratio * abs(t.a * t.b)
-    return Statement(t, at_least(largest, size), given)
+    return Statement(t, largest >= size, given)

@@ -9,7 +9,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, equal, positive
+from wmr_proofs.relation import Relations, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -58,7 +58,7 @@ def covered(mutation: Mutation, names: tuple[str, ...], index: int) -> Statement
     """the {number} regions and boundaries of {of} together cover {all}."""
     a, _, _, u1, u2 = barrier_axis()
     hits = (_member(a.all[index], name, u2, u1 - u2) for name in mutation(names, names[1:]))
-    return a.states(above(ca.if_else(reduce(ca.logic_or, hits), 1, 0)), given=a.inside)
+    return a.states(ca.if_else(reduce(ca.logic_or, hits), 1, 0) > 0, given=a.inside)
 
 
 @claim("cover.charts", (15, 18), given="v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y)")
@@ -72,8 +72,8 @@ def charted(mutation: Mutation) -> Statement:
         value = regions.side_value if name in ("in", "out") else regions.target_value
         low, high = _bounds(u2, b)[name]
         assert high is not None
-        goals.append(equal(value(f"{name}+", u2, b, n), low + mutation * y * (high - low)))
-    return Statement(t, goals, (above(y), above(1, y), positive(u2, b)))
+        goals.append(value(f"{name}+", u2, b, n) == low + mutation * y * (high - low))
+    return Statement(t, goals, (y > 0, y < 1, positive(u2, b)))
 
 
 @claim("cover.numbers", (15, 18))
@@ -82,7 +82,7 @@ def reached(mutation: Mutation) -> Statement:
     t = symbols("y")
     y = t.y
     n = y / (1 - y)
-    return Statement(t, (above(n), equal(n / (1 + n), mutation * y)), (above(y), above(1, y)))
+    return Statement(t, (n > 0, n / (1 + n) == mutation * y), (y > 0, y < 1))
 
 
 @claim(
@@ -97,8 +97,8 @@ def far_reached(mutation: Mutation) -> Statement:
     a, _, c, u1, u2 = barrier_axis()
     b = u1 - u2
     d = u1 - barrier.minimiser(c, u1, u2)
-    goals = above(d), above(b, d), equal(u1 - d + mutation / d, c)
-    return a.states(goals, given=(a.inside, above((c - u2) * b, 1), above(c, u2 + 1 / b)))
+    goals = d > 0, b > d, u1 - d + mutation / d == c
+    return a.states(goals, given=(a.inside, (c - u2) * b > 1, c > u2 + 1 / b))
 
 
 @claim(
@@ -109,8 +109,8 @@ def beyond_reached(mutation: Mutation) -> Statement:
     # The same beyond v_u2 for the smooth barrier: target_value("beyond+") with d = b/(1 + j).
     a, v, c, u1, u2 = barrier_axis()
     b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
-    goals = above(d), above(b, d), equal(u1 - d + mutation / d - 1 / b, c)
-    return a.states(goals, given=(a.inside, above(c, u2), above(1e100, c)))
+    goals = d > 0, b > d, u1 - d + mutation / d - 1 / b == c
+    return a.states(goals, given=(a.inside, c > u2, c < 1e100))
 
 
 @claim("cover.order", (15, 18), given="i, j > 0")
@@ -124,4 +124,4 @@ def ordered(mutation: Mutation) -> Statement:
     below = ca.if_else(i < j, abs(j * less / (1 + less) - mutation * i), 0)
     rest = ca.if_else(i > j, abs(j + more - i), below)
     sign = ca.if_else(i > j, more, ca.if_else(i < j, less, 1))
-    return Statement(t, (equal(rest), above(sign)), positive(i, j))
+    return Statement(t, (rest == 0, sign > 0), positive(i, j))

@@ -8,17 +8,7 @@ from wmr_ctrl.world import delay, jitter, lag, motor
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
-    above,
-    at_least,
-    between,
-    equal,
-    every,
-    nonnegative,
-    positive,
-    when,
-    within,
-)
+from wmr_proofs.relation import at_least, between, every, nonnegative, positive, when, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -44,12 +34,12 @@ def held(mutation: Mutation) -> Statement:
     a, after = lag.equivalent_lag(h, growth), lag.followed(p, e, z)
     guarded = integral(z, p, (h, b * (1 - falls), a * (1 - rises)))
     end = moved(z, p, (falls, rises))
-    adds = at_least(guarded + s * end, (mutation(1, 1.01) * h + s) * after)
-    goals = adds, at_least(end, after)
+    adds = guarded + s * end >= (mutation(1, 1.01) * h + s) * after
+    goals = adds, end >= after
     given = (
         nonnegative(z, p), positive(h, growth), between(a, s, b),
-        equal(least * (1 + growth), 1), between(0, rises, least), between(least, e, falls),
-        above(1, falls), at_least(b * (1 - falls), h * falls),
+        least * (1 + growth) == 1, between(0, rises, least), between(least, e, falls),
+        falls < 1, b * (1 - falls) >= h * falls,
     )  # fmt: skip
     return Statement(t, goals, given)
 
@@ -72,8 +62,8 @@ def applied(mutation: Mutation) -> Statement:
     for step in range(steps):
         acting = lag.followed(oldest if step < part else older, e, acting)
         total = total + acting
-    goals = equal(told[0], mutation * total / steps), equal(told[1], acting)
-    return Statement(t, goals, (above(e), above(1, e)))
+    goals = told[0] == mutation * total / steps, told[1] == acting
+    return Statement(t, goals, (e > 0, e < 1))
 
 
 TIMES = (
@@ -96,14 +86,14 @@ def lag_bound(mutation: Mutation) -> Statement:
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
     fast, slow = ca.vertsplit(g.bound("lag"))
     tau = time * (1 + spread * x)
-    sizes = g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), above(1, spread)
-    steps = [at_least(most * time * (1 - spread), h) for most in (t.most_growth, 500)]
-    given = sizes, steps, within(x, 1), above(t.growth), at_least(t.most_growth, t.growth)
+    sizes = g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), spread < 1
+    steps = [most * time * (1 - spread) >= h for most in (t.most_growth, 500)]
+    given = sizes, steps, within(x, 1), t.growth > 0, t.most_growth >= t.growth
     least = lag.equivalent_lag(h, t.growth)
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     left = every(g.system.update, wanted + t.decay * (acting - wanted))
-    goals = at_least(mutation(1, 0.9) * slow, tau), at_least(least, fast), left
+    goals = mutation(1, 0.9) * slow >= tau, least >= fast, left
     cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
     return g.states(goals, given=given, cuts=cuts, more=t)
 
@@ -120,9 +110,9 @@ def constant_lag(mutation: Mutation) -> Statement:
     wanted = ca.vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
-    both = [equal(told, mutation * time) for told in ca.vertsplit(g.bound("lag"))]
+    both = [told == mutation * time for told in ca.vertsplit(g.bound("lag"))]
     goals = both, every(g.system.update, wanted + t.decay * (acting - wanted))
-    return g.states(goals, given=(above(time), equal(g["actuator.lag_spread"])), cuts=cuts, more=t)
+    return g.states(goals, given=(time > 0, g["actuator.lag_spread"] == 0), cuts=cuts, more=t)
 
 
 @claim("world.delay.bound", given="any delay and unmodelled delay")
@@ -134,7 +124,7 @@ def delay_bound(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(delay.DELAY, {"actuator.delay": 0.02, "actuator.unmodelled_delay": 0.01})
     assert g.system.transport is not None
-    return g.states(equal(g.bound("delay")[0], mutation * g.system.transport))
+    return g.states(g.bound("delay")[0] == mutation * g.system.transport)
 
 
 class Jittering(EffectGraph):
@@ -169,13 +159,13 @@ def jitter_bound(mutation: Mutation) -> Statement:
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
     now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
-    widths = above(h), equal(width, t.most * h), at_least(width), between(0, t.drawn, t.most)
-    waits = at_least(t.most, g[jitter.DUE.name]), nonnegative(t.phase, t.steps)
+    widths = h > 0, width == t.most * h, width >= 0, between(0, t.drawn, t.most)
+    waits = t.most >= g[jitter.DUE.name], nonnegative(t.phase, t.steps)
     given = widths, waits
     arrived = ca.vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
-    told = [equal(g.bound(name)[0], width) for name in ("delay", "jitter")]
-    goals = when(acts, every(now, arrived)), at_least(t.most, wait), told
+    told = [g.bound(name)[0] == width for name in ("delay", "jitter")]
+    goals = when(acts, every(now, arrived)), t.most >= wait, told
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
@@ -189,7 +179,7 @@ def stepped(mutation: Mutation) -> Statement:
     told, step = g["tau_right"], g["motor.step"]
     x = told / step + 0.5
     number = ca.floor(x)
-    given = above(step), at_least(x, number), above(1, x - number)
+    given = step > 0, x >= number, x - number < 1
     most = motor.rounded_by(step) * mutation(1, 0.8)
     lost = within(g.system.outputs[0].expr - told, most)
     return g.states(lost, given=given, cuts={"number": number})
@@ -204,8 +194,8 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
     g = EffectGraph(motor.MOTOR, {"motor.dead_zone": 0.1})
     told, zone = g["tau_right"], g["motor.dead_zone"]
     lost = told - g.system.outputs[0].expr
-    goals = within(lost, mutation(zone, 0.9 * zone)), at_least(lost * told)
-    return g.states(goals, given=above(zone))
+    goals = within(lost, mutation(zone, 0.9 * zone)), lost * told >= 0
+    return g.states(goals, given=zone > 0)
 
 
 @claim("world.motor.line", given="stall > 0, 1/free >= 0, |torque| <= tau")
@@ -221,9 +211,9 @@ def line(mutation: Mutation) -> Statement:
     ahead, back = (motor.missing(t.most, t.stall, way * share) for way in (1, -1))
     ahead, back = ca.fmin(ahead, t.most), ca.fmin(back, t.most)
     part = mutation(1, 0.9)
-    sides = at_least(part * ahead, t.torque - made), at_least(part * back, made - t.torque)
-    goals = sides, at_least((t.torque - made) * t.torque)
-    given = above(t.stall), at_least(t.slowing), within(t.torque, t.most)
+    sides = part * ahead >= t.torque - made, part * back >= made - t.torque
+    goals = sides, (t.torque - made) * t.torque >= 0
+    given = t.stall > 0, t.slowing >= 0, within(t.torque, t.most)
     return Statement(t, goals, given)
 
 
@@ -245,9 +235,9 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
         return first + second
 
     limited = positive(t.u1, t.edge), within(t.v, t.u1), within(t.turn, t.edge)
-    given = above(t.stall), at_least(t.slowing), limited
+    given = t.stall > 0, t.slowing >= 0, limited
     end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
-    return Statement(t, at_least(end, both(t.v, t.turn)), given)
+    return Statement(t, end >= both(t.v, t.turn), given)
 
 
 @claim(
@@ -287,6 +277,6 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
         given.append(at_least(sum(whole), sum(each)))
         for name, d, way in zip(t, each, (side, side * opposite), strict=True):
             lost = motor.rounded_by(step) + g["motor.dead_zone"] + ca.fmin(d, most)
-            given.append(at_least(lost, way * t[name]))
+            given.append(lost >= way * t[name])
     made = wheel_to_force(r, half, ca.vertcat(t.right, t.left))[axis]
     return g.states(within(made, bound * mutation(1, 0.9)), given=given, more=t)

@@ -24,17 +24,7 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.regions import at
-from wmr_proofs.relation import (
-    Cuts,
-    Relations,
-    above,
-    at_least,
-    between,
-    equal,
-    every,
-    nonnegative,
-    within,
-)
+from wmr_proofs.relation import Cuts, Relations, between, equal, every, nonnegative, within
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import symbols
 
@@ -62,8 +52,8 @@ def world_slope(mutation: Mutation) -> Statement:
     a = slope.turned(g["theta"], g["slope.direction"])
     along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
-    heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
-    turns = at_least(sine), within(ca.vertcat(along, across), 1)
+    heaviest = g["guard.M_max[1]"] >= g["robot.m"]
+    turns = sine >= 0, within(ca.vertcat(along, across), 1)
     given = g.above_zero("robot.m", "robot.g"), heaviest, turns
     return g.states(goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
@@ -90,13 +80,13 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     load = resistance.load_of_wheel(g["robot.m"], g["robot.g"])
     rolling = (g["resistance.rolling[1]"], g["resistance.rolling[2]"])
     more = g.bound("dbar")[axis]
-    heaviest = at_least(g["guard.M_max[1]"], g["robot.m"])
+    heaviest = g["guard.M_max[1]"] >= g["robot.m"]
     moves = right + left if axis == 0 else right - left
     signs = nonnegative(*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)
     sizes = g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
-    turns = at_least((v, omega)[axis]), within(ca.vertcat(right, left), 1)
+    turns = (v, omega)[axis] >= 0, within(ca.vertcat(right, left), 1)
     given = signs, sizes, turns
-    goal = at_least(more * mutation(1, 0.9), g.system.y[axis])
+    goal = more * mutation(1, 0.9) >= g.system.y[axis]
     return g.states(goal, given=given, cuts={"right": right, "left": left})
 
 
@@ -116,7 +106,7 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
     drawn = within(g.column("torque"), most)
-    given = g.above_zero("robot.r", "robot.l"), at_least(g["disturbance.std"]), drawn
+    given = g.above_zero("robot.r", "robot.l"), g["disturbance.std"] >= 0, drawn
     return g.states(within(force, bound * mutation(1, 0.9)), given=given)
 
 
@@ -147,7 +137,7 @@ def world_gyro(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(gyro.GYRO, {"gyro.enabled": True})
     most = g.bound("nbar")[1] * mutation(1, 0.9)
-    given = at_least(g["gyro.noise"]), within(g[f"{gyro.NUMBERS.name}[1]"], 1)
+    given = g["gyro.noise"] >= 0, within(g[f"{gyro.NUMBERS.name}[1]"], 1)
     return g.states(within(g.system.y[0] - g["omega"], most), given=given)
 
 
@@ -184,7 +174,7 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
     for axis in (0, 1):
         window, age = (g.bound(told)[axis] for told in ("window", "age"))
         way = seen[0][axis] - mutation(seen[2], seen[1])[axis]
-        goals += [equal(g.system.y[axis] * window, way), equal(age, T), equal(window, 2 * T)]
+        goals += [g.system.y[axis] * window == way, age == T, window == 2 * T]
     return g.states(goals, given=g.above_zero("clock.control", "sample"))
 
 
@@ -207,9 +197,9 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     h, lasts, u1 = g["clock.plant"], g["clock.duration"], g[f"limits.v_u1[{axis + 1}]"]
     window = 2 * g["clock.control"]
     missed = g[f"{name}_1[{axis + 1}]"] - g[f"{name}_3[{axis + 1}]"] - t.way
-    times = between(2 * h, window, lasts), at_least(lasts, 8 * h)
+    times = between(2 * h, window, lasts), lasts >= 8 * h
     ways = within(t.way, u1 * window), within(h * missed, UNIT * u1 * lasts * window)
-    given = g.above_zero("clock.plant", "sample"), above(u1), times, ways
+    given = g.above_zero("clock.plant", "sample"), u1 > 0, times, ways
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
     off = within(t.shown * window - t.way, most * window)
     whole = g.states(off, given=given, more=t)
@@ -241,7 +231,7 @@ def command_delay_bound(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(command_delay.COMMAND_DELAY, {"base.delay": 0.02})
     assert g.system.transport is not None
-    late = equal(g.bound("delay")[0], mutation * g.system.transport)
+    late = g.bound("delay")[0] == mutation * g.system.transport
     return g.states(late, every(g.system.y, g.system.u))
 
 
@@ -267,17 +257,17 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     longest = (g["base.losses"] + 1) * T
     missed, silent = g[command_loss.MISSED.name], g[command_loss.SILENT.name]
     given = (
-        above(h), equal(T, t.steps * h), at_least(g["base.losses"]), at_least(t.steps, 1),
-        at_least(g["base.timeout"], longest * (1 - ROUNDING)), at_least(h, longest * ROUNDING),
+        h > 0, equal(T, t.steps * h), g["base.losses"] >= 0, t.steps >= 1,
+        g["base.timeout"] >= longest * (1 - ROUNDING), h >= longest * ROUNDING,
         between(0, missed, most), nonnegative((most - missed) * (most - missed - 1), t.before),
-        at_least(t.steps, t.before + 1), at_least(silent),
-        equal(t.phase, ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1)),
-        at_least((t.steps - t.before - 1) * (t.steps - t.before - 2)),
-        at_least(missed * t.steps + t.before, silent),
+        t.steps >= t.before + 1, silent >= 0,
+        t.phase == ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1),
+        (t.steps - t.before - 1) * (t.steps - t.before - 2) >= 0,
+        missed * t.steps + t.before >= silent,
     )  # fmt: skip
     now, silence, missing = ca.vertsplit(g.system.update, [0, 2, 3, 4])
-    few = at_least(mutation(1, 0.9) * most, missing)
-    goals = few, at_least(missing * t.steps + t.phase, silence), every(g.system.y, now)
+    few = mutation(1, 0.9) * most >= missing
+    goals = few, missing * t.steps + t.phase >= silence, every(g.system.y, now)
     return g.states(goals, given=given, cuts=cuts, more=t)
 
 
@@ -296,7 +286,7 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
         step = g[f"base.quantum[{i + 1}]"]
         x = g.system.u[i] / ca.if_else(step > 0, step, 1) + 0.5
         cuts[f"number{i + 1}"] = number = ca.floor(x)
-        given += [above(step), at_least(x, number), above(1, x - number)]
+        given += [step > 0, x >= number, x - number < 1]
     return g.states(within(off, mutation(1, 0.9) * most), given=given, cuts=cuts)
 
 
@@ -311,4 +301,4 @@ def wheels_heard(mutation: Mutation) -> Statement:
     error, dropped = mutation(1, 0.9) * g.bound("command"), g.bound("dropped")
     u, acts = g.system.u, g.system.y
     goals = within(acts - u, error + dropped), within(acts, abs(u) + error)
-    return g.states(goals, given=(g.above_zero("robot.l"), at_least(g["base.wheel_deadband"])))
+    return g.states(goals, given=(g.above_zero("robot.l"), g["base.wheel_deadband"] >= 0))

@@ -7,7 +7,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute
 from wmr_proofs.regions import at
-from wmr_proofs.relation import above, at_least, equal, nonnegative, positive
+from wmr_proofs.relation import nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
 
@@ -31,7 +31,7 @@ def only_rest(_: Mutation) -> Statement:
     """
     t = Tracking()
     rate = error_rate(t.e, auxiliary_velocity(t.e, t.v_d, t.k), t.v_d)
-    return t.states(above(ca.sumsqr(rate)), given=positive(ca.sumsqr(t.e), t.v_d[0]))
+    return t.states(ca.sumsqr(rate) > 0, given=positive(ca.sumsqr(t.e), t.v_d[0]))
 
 
 @claim("eq61.ball", (39, 61), given="r > 0, k2 = 5", by=Refute(TURNED))
@@ -43,8 +43,8 @@ def ball(_: Mutation) -> Statement:
     ball: with r = 0.5 the angle may still be 1.1 rad.
     """
     t = Tracking("r")
-    given = at_least(0.5 * t.r**2, analysis.position_lyapunov(t.e, t.k[1])), above(t.r)
-    return Statement(t, at_least(t.r**2, ca.sumsqr(t.e)), given)
+    given = 0.5 * t.r**2 >= analysis.position_lyapunov(t.e, t.k[1]), t.r > 0
+    return Statement(t, t.r**2 >= ca.sumsqr(t.e), given)
 
 
 @claim("eq61.omega", (61,), given="radius of Omega_1, l > 5", by=Refute(EDGE))
@@ -56,9 +56,9 @@ def omega(_: Mutation) -> Statement:
     """
     t = Tracking("eps0 l")
     radius = analysis.ball_radius(t.eps0, t.l, t.k)
-    given = at_least(radius**2, ca.sumsqr(t.e)), above(t.l, 5), above(t.eps0)
+    given = radius**2 >= ca.sumsqr(t.e), t.l > 5, t.eps0 > 0
     edge = analysis.position_lyapunov(ca.vertcat(0, 0, radius), t.k[1])
-    return t.states(at_least(edge, analysis.position_lyapunov(t.e, t.k[1])), given=given)
+    return t.states(edge >= analysis.position_lyapunov(t.e, t.k[1]), given=given)
 
 
 @claim("eq09.pseudo-inverse", (9,), given="v = v_c0, |v| < v_u2", by=Refute(ON_TARGET))
@@ -71,8 +71,8 @@ def stays_on_target(_: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = a | symbols("rho cdot")
     command = analysis.printed_command(t.rho, v, c, t.cdot, u1, u2)
-    given = a.inside, equal(v, c), above(u2, abs(v)), above(t.rho)
-    return Statement(t, equal(command, t.cdot), given)
+    given = a.inside, v == c, u2 > abs(v), t.rho > 0
+    return Statement(t, command == t.cdot, given)
 
 
 @claim(
@@ -89,8 +89,8 @@ def one_rate(_: Mutation) -> Statement:
     t = column("V", 2) | column("rho", 2) | symbols("rho")
     total = t.V1 + t.V2
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
-    given = equal(t.rho1, 15), equal(5 * t.rho2, 288), nonnegative(t.V1, t.V2)
-    return Statement(t, equal(rate, -t.rho * total), (given, equal(t.rho, t.rho1)))
+    given = t.rho1 == 15, 5 * t.rho2 == 288, nonnegative(t.V1, t.V2)
+    return Statement(t, rate == -t.rho * total, (given, t.rho == t.rho1))
 
 
 @claim(
@@ -108,8 +108,8 @@ def slower_rate(mutation: Mutation) -> Statement:
     t = column("V", 2) | column("rho", 2)
     least = mutation(ca.fmin(t.rho1, t.rho2), ca.fmax(t.rho1, t.rho2))
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
-    given = tuple(at_least(t[name]) for name in t)
-    return Statement(t, at_least(-least * (t.V1 + t.V2), rate), given)
+    given = tuple(t[name] >= 0 for name in t)
+    return Statement(t, -least * (t.V1 + t.V2) >= rate, given)
 
 
 @claim("eq86.forgetting", (86,), form=OURS, given="M1ii > 0")
@@ -123,4 +123,4 @@ def forgetting_binds(mutation: Mutation) -> Statement:
     t = column("rho", 2) | column("M", 2)
     sigma, gamma = ca.SX([1, 1]), ca.SX([2, 0.08])
     rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), sigma, gamma)
-    return Statement(t, at_least(mutation(0.081, 0.07), rate), positive(t.M1, t.M2))
+    return Statement(t, mutation(0.081, 0.07) >= rate, positive(t.M1, t.M2))

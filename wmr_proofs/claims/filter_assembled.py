@@ -17,10 +17,7 @@ from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Cuts,
     Relations,
-    above,
-    at_least,
     between,
-    equal,
     nonnegative,
     positive,
     when,
@@ -77,7 +74,7 @@ class AssembledStep(Named):
         self.limit = self.graph.limits[side][axis]
         self.bounds = self.graph.channels[axis].sides[side]
         T, (low, high) = self.graph.T, self.graph.motions[side][axis].tau
-        self.slow = above(low), at_least(high, low)
+        self.slow = low > 0, high >= low
         self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / low)}
         self.cuts |= {"-most": ca.expm1(-T / low), "-least": ca.expm1(-T / high)}
 
@@ -96,14 +93,14 @@ class AssembledStep(Named):
         there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
         timely = ca.logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
         return (
-            at_least(ahead, b.dbar), at_least(back, b.dbar), at_least(b.dbar), at_least(ahead, v),
-            at_least(back, -v),
-            at_least(b.nbar), above(b.K_min), at_least(b.K_max, b.K_min), equal(f.kappa, kappa),
-            equal(f.gone, most), above(f.kappa), equal(-f.kappa * f.gone, 1 + f.gone),
-            above(-least), at_least(least, most), above(1 + most),
-            when(timely, (at_least(up, v), at_least(down, -v))),
-            when(there, (at_least(error, y - v), at_least(error, v - y))),
-            between(1 + most, f.E, 1), above(graph.T), at_least(target, f.mean),
+            ahead >= b.dbar, back >= b.dbar, b.dbar >= 0, ahead >= v,
+            back >= -v,
+            b.nbar >= 0, b.K_min > 0, b.K_max >= b.K_min, f.kappa == kappa,
+            f.gone == most, f.kappa > 0, -f.kappa * f.gone == 1 + f.gone,
+            -least > 0, least >= most, 1 + most > 0,
+            when(timely, (up >= v, down >= -v)),
+            when(there, (error >= y - v, error >= v - y)),
+            between(1 + most, f.E, 1), graph.T > 0, target >= f.mean,
         )  # fmt: skip
 
 
@@ -131,8 +128,8 @@ def limits(mutation: Mutation) -> Statement:
         given += [positive(low, high, growth, kappa)]
         for side, b in zip(graph.limits, channel.sides, strict=True):
             given.append(admits(b))
-            goals.append(at_least(side[axis], mutation(0, b.V)))
-            goals.append(above(ca.if_else(b.dbar < b.V, side[axis], 1)))
+            goals.append(side[axis] >= mutation(0, b.V))
+            goals.append(ca.if_else(b.dbar < b.V, side[axis], 1) > 0)
     table = elements_of(*ports_of(graph.system))
     return Statement(table, goals, given, cuts)
 
@@ -154,7 +151,7 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     given = nonnegative(*every.values())
     every["numbers are sound"] = step.graph.sound
     most, commands = mutation(1, 0.99) * step.limit, (step.graph.sent, step.graph.safe)
-    goals = tuple(at_least(most, step.way * command[axis]) for command in commands)
+    goals = tuple(most >= step.way * command[axis] for command in commands)
     return Statement(step, goals, given, every)
 
 
@@ -172,9 +169,9 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     """
     step = AssembledStep(side, axis)
     u, E = step.free.u, step.free.E
-    given = step.given(mutation, drive(u, step.bounds)), at_least(step.limit, u)
+    given = step.given(mutation, drive(u, step.bounds)), step.limit >= u
     end = E * step.way * step.free.v + (1 - E) * step.free.mean
-    return Statement(step, at_least(step.bounds.V, end), given, step.cuts)
+    return Statement(step, end <= step.bounds.V, given, step.cuts)
 
 
 def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
@@ -232,12 +229,12 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
     sent, b = step.way * step.graph.safe[axis], step.bounds
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
-    within = at_least(step.limit, sent), between(-least, share, -most)
-    given = step.given(mutation, target), within, step.slow, at_least(highest(sent, b), target)
+    within = step.limit >= sent, between(-least, share, -most)
+    given = step.given(mutation, target), within, step.slow, highest(sent, b) >= target
     end = v + share * (step.free.mean - v)
     commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
     cuts = step.cuts | commands | {"driven towards": target}
-    return Statement(step, at_least(step.graph.following[side][axis], end), given, cuts)
+    return Statement(step, step.graph.following[side][axis] >= end, given, cuts)
 
 
 @claim(
@@ -271,7 +268,7 @@ def induced(mutation: Mutation, side: int, axis: int) -> Statement:
     end = free.E * step.way * free.v + share * free.mean
     given = step.given(CLAIMED, (drive, drive_back)[side](safe, step.bounds)), step.slow, taken
     goals = (
-        at_least(mutation(1, 0.99) * step.bounds.V, end),
-        when(share >= -least, at_least(kept, end)),
+        mutation(1, 0.99) * step.bounds.V >= end,
+        when(share >= -least, kept >= end),
     )
     return Statement(step, goals, given, cuts)

@@ -17,7 +17,7 @@ from wmr_ctrl.control.filter.forecast import (
 )
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, Relations, above, at_least, between
+from wmr_proofs.relation import Relations, between
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, stacked, symbols
 
@@ -57,7 +57,7 @@ class BandAxis(Named):
     def faded(self) -> Relations:
         """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
         shares = between(0, self.left, 1), between(0, self.fading, 1)
-        return shares, at_least(self.tail), above(self.c)
+        return shares, self.tail >= 0, self.c > 0
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
@@ -79,10 +79,10 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     """
     a = BandAxis()
     s, changed = a.symbols, a.forecast.changed(a.to, a.table)
-    given = [a.stated, at_least(way * s.u + bound_of(a.forecast, way), way * s.v)]
+    given = [a.stated, way * s.u + bound_of(a.forecast, way) >= way * s.v]
     given += [between(mutation(1, 0.9) * a.table.low[0], s.S, a.table.high[0])]
     most = way * s.to + bound_of(changed, way)
-    return Statement(s, at_least(most, way * (s.v + (s.to - s.u) * s.S)), given=given)
+    return Statement(s, most >= way * (s.v + (s.to - s.u) * s.S), given=given)
 
 
 @claim("filter.band.mirrored", given=f"{TABLES}")
@@ -95,7 +95,7 @@ def mirrored(mutation: Mutation) -> Statement:
     s = a.symbols
     there = a.forecast.mirrored(ca.SX(-1)).changed(-mutation(1, 1.1) * s.to, a.table)
     here = a.forecast.changed(s.to, a.table).mirrored(ca.SX(-1))
-    goals = [at_least(bound_of(x, way) - bound_of(y, way))
+    goals = [bound_of(x, way) - bound_of(y, way) >= 0
              for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
     return Statement(s, goals, a.stated)
 
@@ -125,18 +125,18 @@ class BandStep(BandAxis):
         own, high = self.table.after, self.table.high
         over = [own[i] - high[PIECES + i] for i in range(own.numel())]
         last = [high[k] for k in range(own.numel() - 1, high.numel())]
-        younger = [at_least(own[i], high[i]) for i in range(own.numel() - 1)]
-        younger += [at_least(own[-1], item) for item in last]
-        steep = [at_least(item * (item - FLATTEST)) for item in over]
+        younger = [own[i] >= high[i] for i in range(own.numel() - 1)]
+        younger += [own[-1] >= item for item in last]
+        steep = [item * (item - FLATTEST) >= 0 for item in over]
         return super().stated, younger, steep
 
     def most(self, held: bool) -> ca.SX:
         """c'' for a constant command, c' if 0 follows."""
         return self.c * (HELD if held else 1 + FLATTEST)
 
-    def within(self, forecast: Forecast, part: int, way: int, *, held: bool = True) -> Relation:
+    def within(self, forecast: Forecast, part: int, way: int, *, held: bool = True) -> Relations:
         """The forecast keeps v (or -v) within `most` on one part: a piece, or -1 for the tail."""
-        return at_least(self.most(held), way * forecast.u + bound_of(forecast, way, part))
+        return self.most(held) >= way * forecast.u + bound_of(forecast, way, part)
 
     def held(self, *parts: int) -> Relations:
         """Bounds of these parts before the step, for a constant command."""
@@ -159,7 +159,7 @@ def least(mutation: Mutation) -> Statement:
     cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
     largest = a.forecast.largest(a.c, a.table, a.inverse[1:])
     most = mutation(1, 1.1) * largest
-    goals = (at_least(ca.fmax(a.u + line, 0), most) for line in cuts.values())
+    goals = (ca.fmax(a.u + line, 0) >= most for line in cuts.values())
     return a.states(*goals, cuts=cuts)
 
 
@@ -177,10 +177,8 @@ def held(mutation: Mutation, rises: bool) -> Statement:
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps
     to, u = s.to, s.u
-    if rises:
-        turn = between(u, to, u + mutation(1, 1.2) * rise)
-    else:
-        turn = at_least(u, to), at_least(to, u - mutation(1, 1.2) * fall)
+    share = mutation(1, 1.2)
+    turn = (to >= u, to <= u + share * rise) if rises else (u >= to, to >= u - share * fall)
     after = a.forecast.changed(to, a.table)
     goals = tuple(a.within(after, part, way) for part in a.everywhere for way in (1, -1))
     return Statement(s, goals, (a.stated, a.held(*a.everywhere), turn))
@@ -202,12 +200,12 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
     line, to = (-1 if part == "tail" else 0), a.to
     known = a.forecast.changed(to, a.table)
     behind = -1 if part == "tail" else PIECES
-    admitted = (a.within(known, behind, 1),) if way > 0 else (at_least(a.u + a.stopped[line], to),)
+    admitted = (a.within(known, behind, 1),) if way > 0 else (a.u + a.stopped[line] >= to,)
     after = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
     after = after.changed(ca.SX(0), a.table)
     parts = (*range(1, a.size), -1) if part == "tail" else (0,)
     goals = tuple(a.within(after, k, way, held=way > 0) for k in parts)
-    return Statement(a, goals, (a.stated, a.inside(behind), at_least(to), admitted))
+    return Statement(a, goals, (a.stated, a.inside(behind), to >= 0, admitted))
 
 
 @claim("filter.band.zero", given=f"{AFTER}; u >= 0; {INSIDE}")
@@ -221,7 +219,7 @@ def zero(mutation: Mutation) -> Statement:
     after = now.later(a.table).changed(mutation(0, 1) * a.c, a.table)
     every = product((now, after), a.everywhere, (1, -1))
     goals = (a.within(f, part, way, held=way > 0) for f, part, way in every)
-    return a.states(*goals, given=(a.stated, at_least(a.u), a.inside(*a.everywhere)))
+    return a.states(*goals, given=(a.stated, a.u >= 0, a.inside(*a.everywhere)))
 
 
 @claim(
@@ -235,6 +233,6 @@ def zero_held(mutation: Mutation) -> Statement:
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps
-    known = tuple(at_least(a.table.high[i], ca.SX(FLATTEST)) for i in range(a.size))
-    goals = at_least(mutation(1, 0.9) * fall, s.u), at_least(s.u + rise)
-    return Statement(s, goals, (a.stated, known, at_least(s.u), a.inside(*a.everywhere)))
+    known = tuple(a.table.high[i] >= ca.SX(FLATTEST) for i in range(a.size))
+    goals = mutation(1, 0.9) * fall >= s.u, s.u + rise >= 0
+    return Statement(s, goals, (a.stated, known, s.u >= 0, a.inside(*a.everywhere)))

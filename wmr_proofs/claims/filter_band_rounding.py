@@ -8,7 +8,7 @@ import casadi as ca
 from wmr_ctrl.control.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, listed, nonnegative, within
+from wmr_proofs.relation import Relations, between, listed, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -29,7 +29,7 @@ def _sizes(a: BandAxis) -> Relations:
     s, c, numbers = a.symbols, a.c, range(a.size)
     columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
     sizes = *columns, s.past_over, s.past_under
-    high = [at_least(5, a.table.high[i]) for i in numbers]
+    high = [a.table.high[i] <= 5 for i in numbers]
     known = [within(item, 4 * c) for item in sizes]
     return high, within(s.u, 2 * c), within(s.to, 2 * c), known
 
@@ -49,11 +49,11 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     a = BandAxis()
     s, changed = a | symbols("e made"), a.forecast.changed(a.to, a.table)
     known = bound_of(a.forecast, way)
-    bounded = at_least(way * s.u + known + s.e, way * s.v), at_least(a.table.high[0], s.S)
-    given = a.stated, _sizes(a), at_least(s.e), at_least(s.S, a.table.low[0]), bounded
+    bounded = way * s.u + known + s.e >= way * s.v, a.table.high[0] >= s.S
+    given = a.stated, _sizes(a), s.e >= 0, a.table.low[0] <= s.S, bounded
     past, made = (s.past_over, changed.over) if way > 0 else (s.past_under, changed.under)
     most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
-    goal = at_least(most, way * (s.v + (s.to - s.u) * s.S))
+    goal = most >= way * (s.v + (s.to - s.u) * s.S)
     return Statement(s, goal, given, computed={"made": made})
 
 
@@ -69,10 +69,10 @@ def tail(mutation: Mutation) -> Statement:
     a = BandAxis()
     s = a | symbols("f made")
     after = a.forecast.changed(s.to, a.table).later(a.table)
-    fades = at_least(s.fading, (1 + mutation(1, 0) * 2.0**-41) * s.f)
-    given = above(s.f), fades, nonnegative(s.left, s.tail)
+    fades = s.fading >= (1 + mutation(1, 0) * 2.0**-41) * s.f
+    given = s.f > 0, fades, nonnegative(s.left, s.tail)
     stays = s.f * (s.tail + abs(s.to - s.u) * s.left)
-    return Statement(s, at_least(s.made, stays), given, computed={"made": after.tail})
+    return Statement(s, s.made >= stays, given, computed={"made": after.tail})
 
 
 @claim(
@@ -107,13 +107,13 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     known = listed((a.stated, _sizes(a), within(table.after[0], 5)))
     given = (
         [part for part in known if {item.name() for item in ca.symvar(part.expr)} <= own],
-        at_least(way * change), above(s.c), at_least(16 * inverse, 1),
-        above(slope) if stops else at_least(slope),
-        at_least(product, 1) if stops and way < 0 else at_least(1, product),
-        at_least(10, slope), at_least(s.limit, s.to) if up else at_least(s.to, s.limit),
-        at_least(wider, a.most(not stops) * (1 + mutation(1, -1) * WIDER)),
+        way * change >= 0, s.c > 0, 16 * inverse >= 1,
+        slope > 0 if stops else slope >= 0,
+        product >= 1 if stops and way < 0 else product <= 1,
+        slope <= 10, s.limit >= s.to if up else s.to >= s.limit,
+        wider >= a.most(not stops) * (1 + mutation(1, -1) * WIDER),
     )  # fmt: skip
-    goal = at_least(left, slope * change * (1 if up else -1))
+    goal = left >= slope * change * (1 if up else -1)
     return Statement(s, goal, given, computed={"limit": text})
 
 
@@ -134,10 +134,10 @@ def beat(mutation: Mutation) -> Statement:
     after = spread_of(ca.vertcat(s.before, s.behind), off)
     most, p = s.e + mutation(1, 2.0**-4) * 2.0**-51 * T, s.p - off
     given = (
-        above(T), between(0, s.since, 2 * T), at_least(s.e), between(0, s.before, T),
-        between(0, s.behind, T), at_least(s.p + s.e, -s.before), at_least(s.behind + s.e, s.p),
+        T > 0, between(0, s.since, 2 * T), s.e >= 0, between(0, s.before, T),
+        between(0, s.behind, T), s.p + s.e >= -s.before, s.behind + s.e >= s.p,
     )  # fmt: skip
-    goals = at_least(p + most, -s.made_before), at_least(s.made_behind + most, p)
+    goals = p + most >= -s.made_before, s.made_behind + most >= p
     computed = {"made_before": after[0], "made_behind": after[1]}
     return Statement(s, goals, given, computed=computed)
 
@@ -154,8 +154,8 @@ def stays(mutation: Mutation) -> Statement:
     """
     s = symbols("rate time g made")
     x = s.rate * s.time
-    given = nonnegative(s.rate, s.time, s.g), at_least(1, s.g * (1 + x + 0.5 * x * x))
-    goal = at_least(s.made, s.g * (1 + mutation(2.0**-41, 2.0**-39)))
+    given = nonnegative(s.rate, s.time, s.g), s.g * (1 + x + 0.5 * x * x) <= 1
+    goal = s.made >= s.g * (1 + mutation(2.0**-41, 2.0**-39))
     return Statement(s, goal, given, computed={"made": stays_of(s.rate, s.time)})
 
 
@@ -176,10 +176,10 @@ def fading(mutation: Mutation) -> Statement:
     after = Fading(s.reach, s.past, s.held).aged(came, s.u, s.stays, s.soonest)
     kept = s.g * (1 + mutation(2.0**-41, 0))
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.r, s.p)
-    shares = at_least(s.soonest, came * kept), at_least(s.stays, (1 - came) * kept)
-    given = signs, at_least(s.reach, s.r), at_least(s.past, s.p), shares
+    shares = s.soonest >= came * kept, s.stays >= (1 - came) * kept
+    given = signs, s.reach >= s.r, s.past >= s.p, shares
     left = came * s.p + (1 - came) * s.r
-    goals = at_least(s.made_reach, s.r * s.g * (1 + 2.0**-42)), at_least(s.made_past, left * s.g)
+    goals = s.made_reach >= s.r * s.g * (1 + 2.0**-42), s.made_past >= left * s.g
     computed = {"made_reach": after.reach, "made_past": after.past}
     return Statement(s, goals, given, computed=computed)
 
@@ -198,9 +198,9 @@ def reached(mutation: Mutation) -> Statement:
     change = s.to - s.u
     none = ca.SX(0)
     after = Fading(s.reach, none, none).changed(change, s.furthest)
-    listed = at_least(s.furthest, s.reached * (1 + mutation(1, 0) * 2.0**-41))
-    given = nonnegative(s.r, s.reached), at_least(s.reach, s.r * (1 + 2.0**-42)), listed
-    goal = at_least(s.made, s.r + abs(change) * s.reached)
+    listed = s.furthest >= s.reached * (1 + mutation(1, 0) * 2.0**-41)
+    given = nonnegative(s.r, s.reached), s.reach >= s.r * (1 + 2.0**-42), listed
+    goal = s.made >= s.r + abs(change) * s.reached
     return Statement(s, goal, given, computed={"made": after.reach})
 
 
@@ -218,6 +218,6 @@ def past(mutation: Mutation, way: int) -> Statement:
     s = symbols("c past held v made")
     bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
-    given = above(s.c), within(s.held, 2 * s.c), at_least(s.past, v), at_least(most, way * s.v)
-    goal = at_least(s.made, v)
+    given = s.c > 0, within(s.held, 2 * s.c), s.past >= v, most >= way * s.v
+    goal = s.made >= v
     return Statement(s, goal, given, computed={"made": bounds[0 if way > 0 else 1]})

@@ -7,7 +7,7 @@ from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Relations, at_least, between, equal, nonnegative, within
+from wmr_proofs.relation import Cuts, Relations, between, nonnegative, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -46,10 +46,10 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     """
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
-    ordered = tuple(at_least(most, least) for least, most in graph.ends)
+    ordered = tuple(most >= least for least, most in graph.ends)
     stops = nonnegative(*graph.stopping)
-    given = ordered, stops, equal(graph.sound, 1)
-    return Statement(named, (at_least(high, u), at_least(u, low)), given, cuts)
+    given = ordered, stops, graph.sound == 1
+    return Statement(named, (high >= u, u >= low), given, cuts)
 
 
 @claim(
@@ -69,7 +69,7 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     u = mutation(1, 1.1) * graph.sent[axis]
     around = [nonnegative(high, -low) for low, high in graph.ends]
     stops = nonnegative(*graph.stopping)
-    goals = within(u, graph.stopping[axis]), at_least(u * graph.command[axis])
+    goals = within(u, graph.stopping[axis]), u * graph.command[axis] >= 0
     return Statement(named, goals, (around, stops), cuts)
 
 
@@ -87,7 +87,7 @@ def beat(mutation: Mutation) -> Statement:
     after = spread_of(ca.vertcat(s.before, s.behind), s.off)
     p, q = (s[name] - mutation(1, 0.9) * s.off for name in ("p", "q"))
     given: list[Relations] = [nonnegative(s.before, s.behind)]
-    goals: list[Relations] = [nonnegative(after[0], after[1]), at_least(ca.sum1(after), p - q)]
+    goals: list[Relations] = [nonnegative(after[0], after[1]), ca.sum1(after) >= p - q]
     for name, own in (("p", p), ("q", q)):
         given.append(between(-s.before, s[name], s.behind))
         goals.append(between(-after[0], own, after[1]))
@@ -108,11 +108,11 @@ def fading(mutation: Mutation) -> Statement:
     came, x = s.came, s.rate * s.time
     known = Fading(s.reach, s.past, s.held)
     after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
-    stays = at_least(1, s.g * (1 + x + 0.5 * x * x)), at_least(s.soonest, came * s.g)
+    stays = s.g * (1 + x + 0.5 * x * x) <= 1, s.soonest >= came * s.g
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time, s.r, s.p)
-    given = stays, signs, at_least(s.soonest), at_least(s.reach, s.r), at_least(s.past, s.p)
+    given = stays, signs, s.soonest >= 0, s.reach >= s.r, s.past >= s.p
     left = came * s.p + (1 - came) * s.r
-    goals = at_least(after.reach, mutation(1, 1.1) * s.r * s.g), at_least(after.past, left * s.g)
+    goals = after.reach >= mutation(1, 1.1) * s.r * s.g, after.past >= left * s.g
     return Statement(s, goals, given)
 
 
@@ -130,5 +130,5 @@ def past(mutation: Mutation, way: int) -> Statement:
     s = symbols("past held c v")
     bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]
     v = way * (s.v - s.held)
-    known = at_least(s.past, mutation(1, 0.9) * v), at_least(PAST * s.c, way * s.v)
-    return Statement(s, at_least(bound, v), (known, nonnegative(s.c, v)))
+    known = s.past >= mutation(1, 0.9) * v, PAST * s.c >= way * s.v
+    return Statement(s, bound >= v, (known, nonnegative(s.c, v)))

@@ -24,8 +24,6 @@ from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Cuts,
     Relations,
-    above,
-    at_least,
     between,
     nonnegative,
     positive,
@@ -67,11 +65,11 @@ class Limited(Named):
     @property
     def stated(self) -> Relations:
         """Hypotheses: l > 0, each limit on its side of 0, wheel limits at most M in size."""
-        given = [above(self.l)]
+        given = [self.l > 0]
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             for size in (high, -low):
-                given.append(above(size))
-                given += [] if self.is_axis(channel) else [at_least(self.M, size)]
+                given.append(size > 0)
+                given += [] if self.is_axis(channel) else [size <= self.M]
         return tuple(given)
 
     def is_axis(self, channel: Channel) -> bool:
@@ -85,7 +83,7 @@ class Limited(Named):
             if self.is_axis(channel) == axes:
                 up, down = (high, -low) if axes else [self.M] * 2
                 speed = channel.of(command)
-                kept += [at_least(high + spare * up, speed), at_least(speed, low - spare * down)]
+                kept += [high + spare * up >= speed, speed >= low - spare * down]
         return tuple(kept)
 
     def computed(self, command: ca.SX) -> Cuts:
@@ -180,16 +178,16 @@ def slew_limit(mutation: Mutation) -> Statement:
     top = largest_command(aimed, FirstOrder(aimed, dbar, ca.SX(0), K, K, ca.SX(0)))
     computed = {"direct": top, "inverse": (aimed - dbar) * (1 / K)}
     added = s.delta + s.slew * (1 + 2.0**-30) * s.reach
-    goals = tuple(at_least(V, K * s[name] * (1 + OVER) + added) for name in computed)
-    signs = above(K), nonnegative(s.delta, s.slew, s.reach)
-    return Statement(s, goals, (signs, above(aimed, dbar)), computed=computed)
+    goals = tuple(K * s[name] * (1 + OVER) + added <= V for name in computed)
+    signs = K > 0, nonnegative(s.delta, s.slew, s.reach)
+    return Statement(s, goals, (signs, aimed > dbar), computed=computed)
 
 
 def _slow(s: Symbols) -> Relations:
     """Hypothesis: previous and wanted command are within the limit, except for rounding."""
     hi = s.hi
     wanted = within(s.wanted, hi * (1 + BEYOND))
-    return above(hi), within(s.last, hi * (1 + OVER)), wanted
+    return hi > 0, within(s.last, hi * (1 + OVER)), wanted
 
 
 @claim(
@@ -221,8 +219,8 @@ def slew_step(mutation: Mutation) -> Statement:
     s = symbols("hi last wanted share sent own slew T", "slew T")
     most = s.slew * s.T
     (own,) = ramp_shares(s.last, s.wanted, most)
-    quick = at_least(most, mutation(1, 2.0**-10) * SLOWEST * s.hi), at_least(s.own, s.share)
-    given = _slow(s), positive(s.slew, s.T), at_least(s.share), quick
-    goals = within(s.sent - s.last, most * (1 + 2.0**-30)), at_least(s.own, 2.0**-22)
+    quick = most >= mutation(1, 2.0**-10) * SLOWEST * s.hi, s.own >= s.share
+    given = _slow(s), positive(s.slew, s.T), s.share >= 0, quick
+    goals = within(s.sent - s.last, most * (1 + 2.0**-30)), s.own >= 2.0**-22
     computed = {"own": own, "sent": moved(s.last, s.wanted, s.share)}
     return Statement(s, goals, given, computed=computed)

@@ -17,10 +17,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Relations,
-    above,
-    at_least,
     between,
-    equal,
     nonnegative,
     positive,
     when,
@@ -72,10 +69,10 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     asked = g.system.u[axis] - t[f"error{axis + 1}"]
     goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
     way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
-    weak = [above(most, side * g.system.y[i]) for i in (0, 1) for side in (1, -1)]
+    weak = [most > side * g.system.y[i] for i in (0, 1) for side in (1, -1)]
     given = positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), weak
     cuts = {"left1": fades[0], "left2": fades[1]}
-    return g.states(equal(goes, way), given=given, cuts=cuts, more=t)
+    return g.states(goes == way, given=given, cuts=cuts, more=t)
 
 
 class HeldStep:
@@ -146,9 +143,9 @@ def held_friction(mutation: Mutation) -> Statement:
     s = HeldStep(behind=False)
     moved, least = s.after - s.v, mutation(1, 1.01) * (1 - s.x / 2) * s.way
     changes = s.changes(product(("start",), STAGES))
-    alike = [at_least(rise * (change - rise)) for rise, change in changes]
-    goals = at_least(moved, least), between(0, moved, s.way)
-    return Statement(s.t, goals, (s.given, alike, at_least(held_loop.STABLE, s.x)), s.cuts)
+    alike = [rise * (change - rise) >= 0 for rise, change in changes]
+    goals = moved >= least, between(0, moved, s.way)
+    return Statement(s.t, goals, (s.given, alike, s.x <= held_loop.STABLE), s.cuts)
 
 
 @claim("filter.held-kick", given=TANH.format("2", "each of stages and v1 behind to each other"))
@@ -166,7 +163,7 @@ def held_kick(mutation: Mutation) -> Statement:
         for side, on in ((1, change >= 0), (-1, change < 0)):
             alike += when(on, between(0, side * rise, side * change))
     missed = between(0, s.way - (s.after - s.v), most)
-    return Statement(s.t, missed, (s.given, alike, at_least(2, s.x)), s.cuts)
+    return Statement(s.t, missed, (s.given, alike, s.x <= 2), s.cuts)
 
 
 class Command(Named):
@@ -186,10 +183,10 @@ class Command(Named):
         limits = FirstOrder(t.V, d, unused, unused, t.K_max, kappa)
         self.given: Relations = (
             positive(t.V, t.K_max, t.gone_least), between(0, t.left, t.credit),
-            at_least(t.kick, t.credit), at_least(t.d), above(t.V, d), at_least(1, t.gone_most),
-            at_least(t.gone_most, t.gone_least), between(0, t.gone, t.gone_most),
-            at_least(largest_command(t.bound, limits), t.asked), between(t.start, t.bound, t.V),
-            at_least(t.V, t.start + t.credit),
+            t.kick >= t.credit, t.d >= 0, d < t.V, t.gone_most <= 1,
+            t.gone_most >= t.gone_least, between(0, t.gone, t.gone_most),
+            largest_command(t.bound, limits) >= t.asked, between(t.start, t.bound, t.V),
+            t.start + t.credit <= t.V,
         )  # fmt: skip
 
     def reached(self, start: ca.SX, push: ca.SX, gone: ca.SX) -> ca.SX:
@@ -221,10 +218,10 @@ def held_rim(mutation: Mutation) -> Statement:
     carried = t.reached(t.bound, t.d + t.push, t.gone)
     seen = t.reached(ca.fmin(t.start + t.kick, t.V), t.d + t.push, t.gone)
     goals = (
-        at_least(t.V, true + t.credit),
-        at_least(t.V, true + ca.if_else(enough, t.kick, 0)),
-        at_least(ca.if_else(enough, carried - (true + t.kick), 0)),
-        at_least(seen, true + t.credit),
+        true + t.credit <= t.V,
+        true + ca.if_else(enough, t.kick, 0) <= t.V,
+        ca.if_else(enough, carried - (true + t.kick), 0) >= 0,
+        seen >= true + t.credit,
     )
     return t.states(goals, given=t.given)
 

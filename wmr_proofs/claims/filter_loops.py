@@ -10,7 +10,7 @@ from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, equal, nonnegative, positive, within
+from wmr_proofs.relation import Relations, nonnegative, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -32,7 +32,7 @@ def wheel_box(mutation: Mutation) -> Statement:
     t = symbols("v omega V Omega l", "V Omega l")
     top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
     rims = [t.v + way * t.l * t.omega for way in WAYS]
-    given = above(t.l), [within(rim, top) for rim in rims]
+    given = t.l > 0, [within(rim, top) for rim in rims]
     goals = within(t.v, t.V), within(t.omega, t.Omega)
     return Statement(t, goals, given)
 
@@ -60,9 +60,9 @@ def in_time(mutation: Mutation) -> Statement:
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
     since = named["since"]
     either = nonnegative(came * (came - 1), came * (1 - came))
-    given = at_least(since), equal(count.sym, ca.fmin(since, most)), either
+    given = since >= 0, count.sym == ca.fmin(since, most), either
     then = mutation(1, 2) * came * (since + 1)
-    goals = equal(graph.in_time[0], ca.fmin(then, most)), equal(graph.punctual, then >= most)
+    goals = graph.in_time[0] == ca.fmin(then, most), graph.punctual == (then >= most)
     return Statement(named, goals, given, {"came": came})
 
 
@@ -97,8 +97,8 @@ def least(mutation: Mutation) -> Statement:
         band, w = named[f"base.deadband.{axis + 1}"] * JUST_ABOVE, way[axis]
         cuts[f"limit {axis}"], u = limit, graph.y[axis]
         idle = ca.if_else(band <= limit, u * (abs(u) < mutation(1, 1.1) * band), 0)
-        given += positive(band, limit), within(rest[axis], band), equal(w * (w * w - 1))
-        goals += within(u, limit), within(graph.update[axis], band), equal(idle)
+        given += positive(band, limit), within(rest[axis], band), w * (w * w - 1) == 0
+        goals += within(u, limit), within(graph.update[axis], band), idle == 0
     return Statement(named, goals, given, cuts)
 
 
@@ -117,8 +117,8 @@ def ramp_rim(mutation: Mutation) -> Statement:
     l, pairs = t.l, ((t.v, t.omega), (t.u, t.w))
     v = moved(t.v, t.u, t.grow, t.shrink)
     omega = moved(t.omega, t.w, mutation(1, 1.5) * t.turn, t.turn_back)
-    slower = at_least(l * t.turn_back, t.grow), at_least(t.shrink, l * t.turn)
+    slower = l * t.turn_back >= t.grow, t.shrink >= l * t.turn
     kept = [within(x + way * l * y, t.W) for x, y in pairs for way in WAYS]
-    given = above(l), nonnegative(t.grow, t.turn), slower, kept
+    given = l > 0, nonnegative(t.grow, t.turn), slower, kept
     goals = [within(v + way * l * omega, t.W) for way in WAYS]
     return Statement(t, goals, given)

@@ -19,8 +19,6 @@ from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Number,
     Relations,
-    above,
-    at_least,
     between,
     nonnegative,
     positive,
@@ -71,8 +69,8 @@ def clip(mutation: Mutation) -> Statement:
     aimed = b.V * (1 - mutation(ROUNDING, -ROUNDING))
     top = largest_command(aimed, FirstOrder(aimed, b.dbar, b.nbar, b.K_min, b.K_max, ca.SX(0)))
     computed = {"direct": top, "inverse": (aimed - b.dbar) * (1 / b.K_max)}
-    goals = tuple(at_least(b.V, (b.K_max * s[name] + b.dbar) * (1 + 2.0**-46)) for name in computed)
-    return Statement(s, goals, (sound(b), above(aimed, b.dbar)), computed=computed)
+    goals = tuple((b.K_max * s[name] + b.dbar) * (1 + 2.0**-46) <= b.V for name in computed)
+    return Statement(s, goals, (sound(b), aimed > b.dbar), computed=computed)
 
 
 @claim("filter.rounding.target", given=f"{INTERVALS}; operations rounded by at most 2^-53")
@@ -101,7 +99,7 @@ def carried_on(mutation: Mutation) -> Statement:
     s = symbols("V w target share next", "V")
     V, way = s.V, s.share * (s.target - s.w)
     made = relaxed(s.w, s.target, s.share, s.share)
-    given = above(V), between(0, s.share, 2), within(s.w, 2 * V), within(way, 8 * V)
+    given = V > 0, between(0, s.share, 2), within(s.w, 2 * V), within(way, 8 * V)
     most = mutation(1, 2.0**-6) * MARGIN * V
     goals = within(s.next - (s.w + way), most)
     return Statement(s, goals, given, computed={"next": made})
@@ -125,16 +123,16 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     following = relaxed(s.w, s.target, s.most_as, s.least_as)
     least = relaxed(s.w, s.target, s[goes], s[goes])
     given = (
-        above(V), between(0, s.least, most), at_least(1, most),
+        V > 0, between(0, s.least, most), most <= 1,
         _computed(s.most_as, most, s.off), _computed(s.least_as, s.least, s.off),
         between(0, s.off, OFF), within(s.off * s.target, AIMED_OFF * V),
-        between(s.least, share, most), at_least(e), at_least(s.w + e, s.v), within(s.w, 2 * V),
-        at_least(s.d), at_least(MARGIN * V, most * s.d), within(most * s.target, 4 * V),
-        at_least(s.target + s.d, s.mean), at_least(sign * (s.target - s.w)),
+        between(s.least, share, most), e >= 0, s.w + e >= s.v, within(s.w, 2 * V),
+        s.d >= 0, most * s.d <= MARGIN * V, within(most * s.target, 4 * V),
+        s.target + s.d >= s.mean, sign * (s.target - s.w) >= 0,
     )  # fmt: skip
     gained = (1 - s.least) * e + mutation(1, 2.0**-7) * PIECE * V
     reached = s.v + share * (s.mean - s.v)
-    goals = at_least(following, least), at_least(least - MARGIN * V + gained, reached)
+    goals = following >= least, least - MARGIN * V + gained >= reached
     return Statement(s, goals, given)
 
 
@@ -155,15 +153,15 @@ def takeover(mutation: Mutation) -> Statement:
     V, e, n = b.V, s.e, s.n
     known = s.w + mutation(1, 64) * (SLACK + 2 * n * PIECE) * V
     given = (
-        sound(b), above(e), at_least(1 - n * A_PIECE, e), at_least(n, 1),
-        _computed(b.kappa * (1 - e), e), at_least(b.kappa), at_least(known, s.v), at_least(V, s.w),
-        at_least(s.w, -2 * V), at_least(s.d), at_least(2.0**-45 * V, (1 - e) * s.d),
+        sound(b), e > 0, 1 - n * A_PIECE >= e, n >= 1,
+        _computed(b.kappa * (1 - e), e), b.kappa >= 0, known >= s.v, s.w <= V,
+        s.w >= -2 * V, s.d >= 0, (1 - e) * s.d <= 2.0**-45 * V,
     )  # fmt: skip
     each = 1 / b.K_max
     by_it = (V - b.dbar) * each + b.kappa * each * (V - s.w)
     computed = {"direct": largest_command(s.w, b), "inverse": by_it}
     means = (b.K_max * s[name] + b.dbar + s.d for name in computed)
-    goals = tuple(at_least(V * (1 + SLACK), e * s.v + (1 - e) * mean) for mean in means)
+    goals = tuple(e * s.v + (1 - e) * mean <= V * (1 + SLACK) for mean in means)
     return Statement(s, goals, given, computed=computed)
 
 
@@ -179,7 +177,7 @@ def rim(mutation: Mutation) -> Statement:
     size = abs(s.v) + s.l * abs(s.omega)
     most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
     goals = within(s.target - exact, most)
-    return Statement(s, goals, (sound(b), above(s.l)), computed={"target": exact})
+    return Statement(s, goals, (sound(b), s.l > 0), computed={"target": exact})
 
 
 LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
@@ -211,9 +209,9 @@ def rest(mutation: Mutation) -> Statement:
         part = ca.logic_not(ca.logic_or(over, whole))
         off = within(s.rest - (piece.end * T + age), spare)
         goals += when(part, off)
-        goals.append(when(over, at_least(spare, piece.end * T + age)))
-        goals.append(when(whole, at_least(piece.start * T + age, -spare)))
-    given = above(T), between(0, age, LOOKED_BACK.age * T)
+        goals.append(when(over, spare >= piece.end * T + age))
+        goals.append(when(whole, piece.start * T + age >= -spare))
+    given = T > 0, between(0, age, LOOKED_BACK.age * T)
     computed = ends | starts | {"rest": left.rest(age, pieces)}
     return Statement(s, goals, given, computed=computed)
 
@@ -229,9 +227,9 @@ def odometry(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("v y sum")
     V, slack = b.V, SLACK * b.V
-    given = above(V), at_least(b.nbar), within(s.v, V + slack)
-    known = at_least(s.y + b.nbar, s.v)
-    goal = at_least(ca.fmin(s.sum, V) + mutation(1, -1) * slack, s.v)
+    given = V > 0, b.nbar >= 0, within(s.v, V + slack)
+    known = s.y + b.nbar >= s.v
+    goal = ca.fmin(s.sum, V) + mutation(1, -1) * slack >= s.v
     return Statement(s, goal, (given, known), computed={"sum": s.y + b.nbar})
 
 
@@ -248,11 +246,11 @@ def agrees(mutation: Mutation) -> Statement:
     """
     s = symbols("V v above below n sum least", "V")
     V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
-    sizes = at_least(2.0**16, s.n), at_least(s.n), at_least(V, s.above), at_least(V, s.below)
-    bounds = at_least(s.above + off, s.v), at_least(s.below + off, -s.v)
-    given = above(V), sizes, bounds
+    sizes = s.n <= 2.0**16, s.n >= 0, s.above <= V, s.below <= V
+    bounds = s.above + off >= s.v, s.below + off >= -s.v
+    given = V > 0, sizes, bounds
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
-    return Statement(s, at_least(s.sum, s.least), given, computed=computed)
+    return Statement(s, s.sum >= s.least, given, computed=computed)
 
 
 @claim(
@@ -268,11 +266,11 @@ def way(mutation: Mutation) -> Statement:
     s = symbols("t A least most least_as most_as V v w m x far")
     t, slack = s.t, 2 * SLACK * s.V
     given = (
-        above(s.V), between(0, s.least, s.A), between(s.A, s.most, t), at_least(s.w + slack, s.v),
+        s.V > 0, between(0, s.least, s.A), between(s.A, s.most, t), s.w + slack >= s.v,
         within(s.w, 4 * s.V), within(s.m, 4 * s.V), _computed(s.least_as, s.least),
-        _computed(s.most_as, s.most), at_least(s.m * t + (s.v - s.m) * s.A, s.x),
+        _computed(s.most_as, s.most), s.m * t + (s.v - s.m) * s.A >= s.x,
     )  # fmt: skip
-    goal = at_least(s.far + mutation(1.25, 0.5) * slack * t, s.x)
+    goal = s.far + mutation(1.25, 0.5) * slack * t >= s.x
     computed = {"far": farthest(s.w, s.m, t, s.least_as, s.most_as)}
     return Statement(s, goal, given, computed=computed)
 
@@ -304,8 +302,8 @@ def line(mutation: Mutation) -> Statement:
     s, r = Stop((t.tau, t.fading), none, None, t.acts, t.last, none).line(t.at, t.tau)
     most = mutation(1, 2.0**-8) * 2.0**-46 * (D + t.fading)
     given = (
-        above(t.tau), above(t.acts), at_least(t.last, t.at), at_least(t.fading),
-        between(0, t.q, 1), at_least(D, A), _computed(-t.minus, t.q),
+        t.tau > 0, t.acts > 0, t.last >= t.at, t.fading >= 0,
+        between(0, t.q, 1), D >= A, _computed(-t.minus, t.q),
     )  # fmt: skip
     exact = D - A + t.fading * t.q, A + t.fading * (1 - t.q)
     goals = within(t.s - exact[0], most), within(t.r - exact[1], most)
@@ -328,11 +326,11 @@ def command(mutation: Mutation) -> Statement:
     made = (stop.steady(t.room, [Reached(t.s, t.way, t.speed)]) - t.push) / t.K
     led, most = t.r * ca.fmax(t.speed, t.push), mutation(1, 2.0**-10) * 2.0**-46 * t.F
     given = (
-        above(t.K), above(t.s), nonnegative(t.r, t.push, t.way, t.speed), at_least(t.F, t.way),
-        at_least(t.F, led), within(t.room, 4 * t.F), between(0, t.u, t.hi),
+        t.K > 0, t.s > 0, nonnegative(t.r, t.push, t.way, t.speed), t.way <= t.F,
+        led <= t.F, within(t.room, 4 * t.F), between(0, t.u, t.hi),
     )  # fmt: skip
     need = t.way + led + (t.K * t.u + t.push) * t.s
-    return Statement(t, at_least(t.room + most, need), given, computed={"hi": made})
+    return Statement(t, t.room + most >= need, given, computed={"hi": made})
 
 
 @claim(
@@ -346,6 +344,6 @@ def ramp(mutation: Mutation) -> Statement:
     """
     t = symbols("K A h room u hi")
     w, most = t.K * t.u, 1 + mutation(1, 2.0**-5) * 2.0**-48
-    given = positive(t.K, t.A, t.h), at_least(t.room), between(0, t.u, t.hi)
-    goal = at_least(most * t.room, w * t.h + w * w / (2 * t.A))
+    given = positive(t.K, t.A, t.h), t.room >= 0, between(0, t.u, t.hi)
+    goal = most * t.room >= w * t.h + w * w / (2 * t.A)
     return Statement(t, goal, given, computed={"hi": stopping_speed(t.room, t.h, t.A) / t.K})

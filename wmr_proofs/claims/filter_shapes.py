@@ -19,10 +19,7 @@ from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Cuts,
     Relations,
-    above,
-    at_least,
     between,
-    equal,
     nonnegative,
     positive,
     when,
@@ -73,7 +70,7 @@ def _clip(stated: Mapping[str, object], scale: str) -> Clip:
 
 def _arms(channels: list[Channel]) -> Relations:
     """The half track of each wheel is positive."""
-    return [above(channel.arm) for channel in channels if channel.ways[1]]
+    return positive(*(channel.arm for channel in channels if channel.ways[1]))
 
 
 @claim(
@@ -105,7 +102,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
             for channel, limit in zip(graph.channels, graph.limits[side], strict=True):
                 most = mutation(1, 0.99) * limit
                 commands = (graph.sent, graph.safe)
-                goals += [at_least(most, way * channel.of(command)) for command in commands]
+                goals += [most >= way * channel.of(command) for command in commands]
     return Statement(table, goals, given, cuts)
 
 
@@ -192,7 +189,7 @@ def slew_together(mutation: Mutation) -> Statement:
         cuts |= {f"numbers are sound {scale}": clip.sound}
         cuts |= {f"limit {i} {scale}": limit for i, limit in enumerate(clip.limits)}
         given += positive(*ca.vertsplit(slew), *clip.limits, clip.T)
-        given.append(equal(clip.sound, 1))
+        given.append(clip.sound == 1)
         goals += between(0, clip.time, clip.T)
         for i, limit in enumerate(clip.limits):
             u, was = clip.sent[i], before.sym[i]
@@ -231,7 +228,7 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
         ports = elements_of(*ports_of(system))
         table |= named_for(ports, str(number))
         cuts[f"sound {number}"] = graph.sound
-        given.append(equal(graph.sound, 1))
+        given.append(graph.sound == 1)
         for axis, (low, high) in enumerate(graph.ends):
             cuts |= {f"end {number} {axis} {k}": end for k, end in enumerate((low, high))}
             cuts[f"stop {number} {axis}"] = graph.stopping[axis]
@@ -282,9 +279,9 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
     given: list[Relations] = [
         positive(p["robot.l"], T, gain[0], f.kappa),
-        nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), equal(f.kappa, kappa),
-        equal(f.gone, most), equal(-f.kappa * f.gone, 1 + f.gone), positive(-least, 1 + most),
-        at_least(least, most), between(1 + most, f.E, 1),
+        nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), f.kappa == kappa,
+        f.gone == most, -f.kappa * f.gone == 1 + f.gone, positive(-least, 1 + most),
+        least >= most, between(1 + most, f.E, 1),
     ]  # fmt: skip
     for i, v in enumerate((f.v1, f.v2)):
         given += when(seen, within(graph.odometry.sym[i] - v, error[i]))
@@ -292,12 +289,12 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     place = len(graph.channels) - 2 + wheel
     channel, b = graph.channels[place], graph.channels[place].bounds
     w, total = channel.of((f.v1, f.v2)), push[0] + p["robot.l"] * push[1]
-    given += [between(gain[0], f.K, gain[1]), above(b.V, total), within(w, b.V)]
+    given += [between(gain[0], f.K, gain[1]), total < b.V, within(w, b.V)]
     for known, sign in zip(graph.known, WAYS, strict=True):
-        given.append(when(came, at_least(known.sym[place], sign * w)))
-    given.append(at_least(graph.limits[side][place], f.u))
+        given.append(when(came, known.sym[place] >= sign * w))
+    given.append(graph.limits[side][place] >= f.u)
     mean = f.K * f.u + mutation(1, 1.1) * way * channel.of((f.d1, f.d2))
-    goal = at_least(b.V, f.E * way * w + (1 - f.E) * mean)
+    goal = f.E * way * w + (1 - f.E) * mean <= b.V
     return Statement(f | elements_of(*ports), goal, given, cuts)
 
 
@@ -333,7 +330,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     graph = governor(more)
     ports = ports_of(graph.system)
     table, cuts = elements_of(*ports), Cuts()
-    T, goals, given = graph.T, list[Relations](), list[Relations]([above(graph.T)])
+    T, goals, given = graph.T, list[Relations](), list[Relations]([graph.T > 0])
     seen = graph.age.sym >= -NEAR * T
     for axis, motion in enumerate(graph.motions[0]):
         b, (low, _) = motion.bounds, motion.tau
@@ -341,18 +338,18 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
         table |= {f"speed{axis}": v, f"kappa{axis}": known_kappa, f"gone{axis}": gone}
         kappa = 1 / ca.expm1(motion.schedule.longest * T / low)
         cuts[f"1/(exp(H/tau_min) - 1) {axis}"] = kappa
-        given += [above(known_kappa), equal(known_kappa, kappa)]
-        given += [equal(-known_kappa * gone, 1 + gone), above(1 + gone)]
-        given += [above(b.V, b.dbar), nonnegative(b.dbar, b.nbar), above(b.K_min)]
-        given += [at_least(b.K_max, b.K_min), within(v, b.V)]
+        given += [known_kappa > 0, known_kappa == kappa]
+        given += [-known_kappa * gone == 1 + gone, 1 + gone > 0]
+        given += [b.dbar < b.V, nonnegative(b.dbar, b.nbar), b.K_min > 0]
+        given += [b.K_max >= b.K_min, within(v, b.V)]
         given += when(seen, within(graph.odometry.sym[axis] - v, b.nbar))
         for side, way in enumerate(WAYS):
             own = symbols(f"u{axis}{side} mean{axis}{side} E{axis}{side}")
             u, mean, E = own.values()
             table |= own
             known = graph.known[side].sym[axis]
-            given += [when(graph.punctual, at_least(known, way * v))]
-            given += [between(1 + gone, E, 1), at_least(graph.limits[side][axis], u)]
-            given.append(at_least(ca.fmax(drive(u, b), mutation(1, 9) * b.dbar), mean))
-            goals.append(at_least(b.V, E * way * v + (1 - E) * mean))
+            given += [when(graph.punctual, known >= way * v)]
+            given += [between(1 + gone, E, 1), graph.limits[side][axis] >= u]
+            given.append(ca.fmax(drive(u, b), mutation(1, 9) * b.dbar) >= mean)
+            goals.append(E * way * v + (1 - E) * mean <= b.V)
     return Statement(table, goals, given, cuts)

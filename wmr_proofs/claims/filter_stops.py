@@ -13,7 +13,7 @@ from wmr_ctrl.control.guard.changing import largest_fall
 from wmr_ctrl.control.guard.guard import Bounds
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, above, at_least, between, equal, nonnegative, positive
+from wmr_proofs.relation import Relations, between, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, Symbols, symbols
 
@@ -30,11 +30,11 @@ class Lowered(Named):
         self.symbols = symbols(f"{NUMBERS} kappa_2 u v v_bar mean E e1 e2", NUMBERS)
         self.bounds = FirstOrder(**{name: self[name] for name in NUMBERS.split()})
         e1, e2, E = self.e1, self.e2, self.E
-        ratios = equal(self.kappa * (1 - e1), e1), equal(self.kappa_2 * (1 - e2), e2)
+        ratios = self.kappa * (1 - e1) == e1, self.kappa_2 * (1 - e2) == e2
         self.given: Relations = (
-            admits(self.bounds), above(e1), at_least(e2, e1), above(1, e2), ratios,
-            between(e1, E, mutation(1, 1.01) * e2), at_least(1, E),
-            at_least(self.v_bar, self.v), at_least(drive(self.u, self.bounds), self.mean),
+            admits(self.bounds), e1 > 0, e2 >= e1, e2 < 1, ratios,
+            between(e1, E, mutation(1, 1.01) * e2), E <= 1,
+            self.v_bar >= self.v, drive(self.u, self.bounds) >= self.mean,
         )  # fmt: skip
         self.hi = told_command(self.V, self.v_bar, self.bounds, self.kappa_2)
         self.end = E * self.v + (1 - E) * self.mean
@@ -51,8 +51,8 @@ def enters(mutation: Mutation) -> Statement:
     Above a limit the base is inside no later than a stop would bring it there.
     """
     a = Lowered(mutation)
-    goals = at_least(a.stopped(a.E), a.end), at_least(a.v_bar, a.end)
-    return a.states(goals, given=(a.given, above(a.v_bar, a.V), at_least(a.hi, a.u)))
+    goals = a.stopped(a.E) >= a.end, a.v_bar >= a.end
+    return a.states(goals, given=(a.given, a.v_bar > a.V, a.hi >= a.u))
 
 
 @claim("filter.limits.inside", given=f"{LOWERED}; v_bar <= V, u <= hi, mean <= drive(u)")
@@ -62,9 +62,9 @@ def inside(mutation: Mutation) -> Statement:
     Below a limit it stays inside.
     """
     a = Lowered(Mutation(1))
-    below = at_least(a.V, mutation(1, 0.99) * a.v_bar)
-    goals = at_least(a.V, a.end), at_least(a.hi)
-    return a.states(goals, given=(a.given, below, at_least(a.hi, a.u)))
+    below = mutation(1, 0.99) * a.v_bar <= a.V
+    goals = a.end <= a.V, a.hi >= 0
+    return a.states(goals, given=(a.given, below, a.hi >= a.u))
 
 
 @claim("filter.limits.no-larger", given=f"{LOWERED}; d < V <= v_bar, hi < u")
@@ -74,9 +74,9 @@ def no_larger(mutation: Mutation) -> Statement:
     A larger command leaves the slowest base outside for longer than a stop.
     """
     a = Lowered(Mutation(1))
-    sent = above(a.u, mutation(1, 0.99) * a.hi), above(a.V, a.dbar), at_least(a.v_bar, a.V)
+    sent = a.u > mutation(1, 0.99) * a.hi, a.dbar < a.V, a.v_bar >= a.V
     end = a.e2 * a.v_bar + (1 - a.e2) * (a.K_max * a.u + a.dbar)
-    return a.states(above(end, a.stopped(a.e2)), given=(a.given, sent))
+    return a.states(end > a.stopped(a.e2), given=(a.given, sent))
 
 
 @claim("filter.free.brake", given="v <= v_bar; afterwards the speed is v, or 0")
@@ -87,7 +87,7 @@ def brake(mutation: Mutation) -> Statement:
     """
     t = symbols("v v_bar stands")
     after = ca.if_else(t.stands > 0, mutation(0, 1), t.v)
-    return Statement(t, at_least(ca.fmax(t.v_bar, 0), after), at_least(t.v_bar, t.v))
+    return Statement(t, ca.fmax(t.v_bar, 0) >= after, t.v_bar >= t.v)
 
 
 @claim("filter.free.way", given="0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A")
@@ -98,9 +98,9 @@ def way(mutation: Mutation) -> Statement:
     """
     t = symbols("t A A_least A_most v w m x")
     ends = between(0, t.A_least, mutation(1, 1.01) * t.A)
-    rest = between(t.A, t.A_most, t.t), at_least(t.w, t.v)
-    gone = at_least(t.m * t.t + (t.v - t.m) * t.A, t.x)
-    goal = at_least(farthest(t.w, t.m, t.t, t.A_least, t.A_most), t.x)
+    rest = between(t.A, t.A_most, t.t), t.w >= t.v
+    gone = t.m * t.t + (t.v - t.m) * t.A >= t.x
+    goal = farthest(t.w, t.m, t.t, t.A_least, t.A_most) >= t.x
     return Statement(t, goal, (ends, rest, gone))
 
 
@@ -119,10 +119,10 @@ class Plan(Named):
         self.shares = [fade / tau for fade, tau in zip(fades, (t.tau_1, t.tau_2), strict=True)]
         D, self.at = t.acts + t.last, Reached(ca.SX(0), t.way, t.w)
         self.given: Relations = (
-            above(t.tau_1), at_least(t.tau_2, t.tau_1), nonnegative(t.push, t.rest),
-            above(t.acts), at_least(t.last), at_least(t.w, t.push), above(fades[0]),
-            at_least(fades[1], fades[0]), above(D, fades[1]), above(self.shares[1]),
-            at_least(self.shares[0], self.shares[1]), above(1, self.shares[0]),
+            t.tau_1 > 0, t.tau_2 >= t.tau_1, nonnegative(t.push, t.rest),
+            t.acts > 0, t.last >= 0, t.w >= t.push, fades[0] > 0,
+            fades[1] >= fades[0], fades[1] < D, self.shares[1] > 0,
+            self.shares[0] >= self.shares[1], self.shares[0] < 1,
             between(0, self.fading, t.rest),
         )  # fmt: skip
 
@@ -149,8 +149,8 @@ def plan(mutation: Mutation) -> Statement:
     A command that the graph admits leaves a way that is free, whichever end of tau is true.
     """
     a = Plan()
-    admitted = at_least(a.most(mutation), a.m)
-    goals = [at_least(a.free, a.needed(k, a.m)) for k in (0, 1)]
+    admitted = a.most(mutation) >= a.m
+    goals = [a.free >= a.needed(k, a.m) for k in (0, 1)]
     return a.states(goals, given=(a.given, admitted))
 
 
@@ -171,14 +171,14 @@ def real(mutation: Mutation) -> Statement:
         for A, q in ends
     ]
     given = (
-        at_least(t.A_1), between(mutation(1, 0.9) * t.A_1, t.a, t.A_2), at_least(t.D, t.A_2),
-        at_least(t.q_2), between(t.q_2, t.q, t.q_1), at_least(1, t.q_1), between(0, t.d, t.w),
-        at_least(t.m, t.d), at_least(t.w, t.v), between(0, t.a_B, t.A_B), at_least(t.B, t.A_B),
-        at_least(t.m * t.D + (t.v - t.m) * t.a, t.x_2),
-        at_least(t.v + t.q * (t.m - t.v), t.v_3),
-        at_least(ca.fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B, t.x_3), at_least(t.A_2, t.A_1),
+        t.A_1 >= 0, between(mutation(1, 0.9) * t.A_1, t.a, t.A_2), t.D >= t.A_2,
+        t.q_2 >= 0, between(t.q_2, t.q, t.q_1), t.q_1 <= 1, between(0, t.d, t.w),
+        t.m >= t.d, t.w >= t.v, between(0, t.a_B, t.A_B), t.B >= t.A_B,
+        t.m * t.D + (t.v - t.m) * t.a >= t.x_2,
+        t.v + t.q * (t.m - t.v) >= t.v_3,
+        ca.fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B >= t.x_3, t.A_2 >= t.A_1,
     )  # fmt: skip
-    return Statement(t, at_least(ca.fmax(*ways), t.x_2 + t.x_3), given)
+    return Statement(t, ca.fmax(*ways) >= t.x_2 + t.x_3, given)
 
 
 @claim("filter.free.necessary", given="tau_min <= tau_max, 0 <= d <= w <= m; steady(free) < m")
@@ -188,9 +188,9 @@ def necessary(mutation: Mutation) -> Statement:
     No larger command stops every base in time.
     """
     a = Plan()
-    beyond = above(a.m, mutation(1, 0.99) * a.most(Mutation(1)))
-    goal = above(ca.fmax(a.needed(0, a.m), a.needed(1, a.m)), a.free)
-    return a.states(goal, given=(a.given, beyond, at_least(a.m, a.push), above(a.free)))
+    beyond = a.m > mutation(1, 0.99) * a.most(Mutation(1))
+    goal = ca.fmax(a.needed(0, a.m), a.needed(1, a.m)) > a.free
+    return a.states(goal, given=(a.given, beyond, a.m >= a.push, a.free > 0))
 
 
 def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relations]]:
@@ -199,9 +199,9 @@ def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relations]]
     stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, ca.SX(0), ca.SX(0), ca.SX(0))
     least = stop.quick
     given: list[Relations] = [
-        above(t.tau_1), nonnegative(t.rest, t.push, least),
-        at_least(mutation(1, 1.01) * t.a_B, least),
-        at_least(t.rest, t.a_B), at_least(t.push * t.rest + (t.v_3 - t.push) * t.a_B, t.x_3),
+        t.tau_1 > 0, nonnegative(t.rest, t.push, least),
+        mutation(1, 1.01) * t.a_B >= least,
+        t.rest >= t.a_B, t.push * t.rest + (t.v_3 - t.push) * t.a_B >= t.x_3,
     ]  # fmt: skip
     return t, stop, given
 
@@ -217,7 +217,7 @@ def roll(mutation: Mutation) -> Statement:
     """
     t, stop, given = _leaving(mutation)
     cuts = {"minus_A_least": -stop.quick}
-    return Statement(t, at_least(stop.roll, t.x_3), (given, at_least(-t.v_3)), cuts)
+    return Statement(t, stop.roll >= t.x_3, (given, -t.v_3 >= 0), cuts)
 
 
 @claim(
@@ -233,10 +233,10 @@ def retreat(mutation: Mutation) -> Statement:
     t, stop, given = _leaving(Mutation(1))
     speed = ca.fmax(t.w, t.target)
     given += [
-        at_least(-speed), at_least(speed, t.v_3), at_least(-t.x_2),
-        at_least(mutation(1, 1.01) * t.free, stop.retreat(t.x_1, t.w, t.target)), at_least(t.x_1),
+        -speed >= 0, speed >= t.v_3, -t.x_2 >= 0,
+        mutation(1, 1.01) * t.free >= stop.retreat(t.x_1, t.w, t.target), t.x_1 >= 0,
     ]  # fmt: skip
-    goals = at_least(t.free, t.x_1 + t.x_2 + t.x_3), at_least(t.free, t.x_1 + t.x_2)
+    goals = t.free >= t.x_1 + t.x_2 + t.x_3, t.free >= t.x_1 + t.x_2
     return Statement(t, goals, given)
 
 
@@ -253,11 +253,11 @@ def hold(mutation: Mutation) -> Statement:
     """
     t, stop, given = _leaving(Mutation(1))
     given += [
-        above(t.pull), at_least(t.tau_2, stop.quick), between(0, t.q, 1),
-        at_least(t.h, mutation(1, 0.9) * stop.hold(t.pull)), between(0, t.a, t.tau_2 * t.q),
-        at_least(-t.pull * (t.h - t.a), t.x_2), at_least(-t.pull * t.q, t.v_3),
+        t.pull > 0, t.tau_2 >= stop.quick, between(0, t.q, 1),
+        t.h >= mutation(1, 0.9) * stop.hold(t.pull), between(0, t.a, t.tau_2 * t.q),
+        -t.pull * (t.h - t.a) >= t.x_2, -t.pull * t.q >= t.v_3,
     ]  # fmt: skip
-    return Statement(t, at_least(-t.x_2, t.x_3), given)
+    return Statement(t, -t.x_2 >= t.x_3, given)
 
 
 @claim(
@@ -272,12 +272,12 @@ def away(mutation: Mutation) -> Statement:
     t = symbols("K_min K u d push v E A t")
     target = t.K * t.u + t.push
     given = (
-        above(t.K_min), at_least(mutation(1, 1.01) * t.K, t.K_min), at_least(t.d, t.push),
-        at_least(t.d), at_least(-t.d, t.K_min * t.u), at_least(-t.v), between(0, t.E, 1),
+        t.K_min > 0, mutation(1, 1.01) * t.K >= t.K_min, t.d >= t.push,
+        t.d >= 0, -t.d >= t.K_min * t.u, -t.v >= 0, between(0, t.E, 1),
         between(0, t.A, t.t),
     )  # fmt: skip
     way = target * t.t + (t.v - target) * t.A
-    goals = at_least(-target), at_least(-t.E * t.v, (1 - t.E) * target), at_least(-way)
+    goals = -target >= 0, -t.E * t.v >= (1 - t.E) * target, -way >= 0
     return Statement(t, goals, given)
 
 
@@ -289,8 +289,8 @@ def ramp(mutation: Mutation) -> Statement:
     """
     t = symbols("A h room m")
     most = mutation(1, 1.01) * stopping_speed(t.room, t.h, t.A)
-    goal = at_least(t.room, t.m * t.h + t.m * t.m / (2 * t.A))
-    return Statement(t, goal, (positive(t.A, t.h), at_least(t.room), between(0, t.m, most)))
+    goal = t.room >= t.m * t.h + t.m * t.m / (2 * t.A)
+    return Statement(t, goal, (positive(t.A, t.h), t.room >= 0, between(0, t.m, most)))
 
 
 @claim(
@@ -311,8 +311,8 @@ def falling(mutation: Mutation) -> Statement:
     braking = ca.fmin(b.brake, b.cap)
     reached = ca.fmax(t.V_1, t.v - t.T * ca.fmax(braking - b.net, 0) / t.M)
     given = (
-        positive(t.M_min, t.T, t.alpha), between(t.M_min, t.M, t.M_max), at_least(t.V_0, t.v),
-        between(0, b.net, b.brake), at_least(t.V_1, t.f_speed),
-        at_least(t.V_1, t.V_0 - mutation(1, 1.1) * fall), at_least(reached, t.v_1),
+        positive(t.M_min, t.T, t.alpha), between(t.M_min, t.M, t.M_max), t.v <= t.V_0,
+        between(0, b.net, b.brake), t.f_speed <= t.V_1,
+        t.V_0 - mutation(1, 1.1) * fall <= t.V_1, reached >= t.v_1,
     )  # fmt: skip
-    return Statement(t, (at_least(t.V_1, t.v_1), at_least(fall)), given)
+    return Statement(t, (t.v_1 <= t.V_1, fall >= 0), given)

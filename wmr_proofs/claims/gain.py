@@ -22,7 +22,7 @@ from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Point, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Cuts, Relations, above, at_least, equal, positive
+from wmr_proofs.relation import Cuts, Relations, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -126,7 +126,7 @@ def ceiling(mutation: Mutation) -> Statement:
     """
     a, v, c, _, _ = barrier_axis()
     J = a.cost(v)
-    return a.states(at_least(mutation(J, J - 0.1 * (v - c) ** 2), a.V))
+    return a.states(mutation(J, J - 0.1 * (v - c) ** 2) >= a.V)
 
 
 @claim(
@@ -144,8 +144,8 @@ def ceiling_smooth(mutation: Mutation) -> Statement:
     # For v > v_u2, as compiled; (v - v_c1)/q is the slope.
     a, v, c, u1, u2 = barrier_axis()
     found = smooth_barrier(c, v, u1, u2)
-    slope = equal(found.w, mutation * found.q * smaller_slope(a))
-    return a.states(at_least(a.cost(v), found.V1), slope)
+    slope = found.w == mutation * found.q * smaller_slope(a)
+    return a.states(a.cost(v) >= found.V1, slope)
 
 
 @claim(
@@ -166,8 +166,8 @@ def fades(mutation: Mutation) -> Statement:
     t = symbols("rho M D", "rho M")
     A = smaller_slope(a)
     pull = mutation(a.cost(v), 0.5 * A**2)
-    goals = above(A), at_least(0.5 * t.D * A, t.rho * t.M * pull)
-    given = above(u1, v), at_least(v, level(c, u1, u2, t.rho * t.M / t.D))
+    goals = A > 0, t.rho * t.M * pull <= 0.5 * t.D * A
+    given = u1 > v, v >= level(c, u1, u2, t.rho * t.M / t.D)
     return a.states(goals, given=given, more=t)
 
 
@@ -188,7 +188,7 @@ def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:
     """
     a, v, c, u1, u2 = barrier_axis()
     s = ca.if_else(c >= 0, 1, -1)
-    return a.states(above(form(s * c, s * v, u1, u2).y, mutation(0.5, 1)))
+    return a.states(form(s * c, s * v, u1, u2).y > mutation(0.5, 1))
 
 
 @claim("gain.cover", given="every 0 < v_u2 < v_u1, k = rho M/D > 0, any v_c0")
@@ -203,8 +203,8 @@ def covered(mutation: Mutation) -> Statement:
     b, B = u1 - u2, u1 + abs(c)
     root = ca.sqrt(b / (u1 - v))
     e = root - 3 - mutation(2, 5) * b * B
-    goals = above(e), at_least(e, reach(b, B) * k), equal(u1 - b / root**2, v)
-    given = above(u2), above(u1, u2), above(u1, v), above(k), at_least(v, level(c, u1, u2, k))
+    goals = e > 0, e >= reach(b, B) * k, u1 - b / root**2 == v
+    given = u2 > 0, u1 > u2, u1 > v, k > 0, v >= level(c, u1, u2, k)
     return Statement(a | {"k": k}, goals, given)
 
 
@@ -238,10 +238,10 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
         cuts[f"friction{axis + 1}"] = friction[axis]
         nominal = acceleration(mass[axis], law.force[axis], friction[axis])
         rate = mutation(nominal, -0.5 * rho * A)
-        goals.append(at_least(rate + D / mass[axis], 0.5 * D / mass[axis]))
+        goals.append(rate + D / mass[axis] >= 0.5 * D / mass[axis])
         # A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held.
-        given += [above(A), at_least(J, A * quotient), at_least(0.5 * D * A, rho * mass[axis] * J)]
-        given += [above(D), equal(c_dot), positive(mass[axis], rho)]
+        given += [A > 0, A * quotient <= J, rho * mass[axis] * J <= 0.5 * D * A]
+        given += [D > 0, c_dot == 0, positive(mass[axis], rho)]
         every |= t
     return Statement(every, goals, given, cuts)
 
@@ -263,4 +263,4 @@ def levels(mutation: Mutation) -> Statement:
     # v* of a disturbance that is held back at v lies beyond v; low = D/M.
     t = symbols("v c u1 u2 rho low", "u1 u2 rho")
     star = level(t.c, t.u1, t.u2, t.rho / t.low)
-    return Statement(t, above(mutation * (star - t.v)))
+    return Statement(t, mutation * (star - t.v) > 0)

@@ -15,7 +15,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Relations, above, at_least, equal, within
+from wmr_proofs.relation import Cuts, Relations, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, exchanged
 
@@ -54,7 +54,7 @@ class GateStep:
         self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
         T, elapsed = ca.SX(scenario.clock.control), self[gate.ELAPSED]
         self.gone = usable_time(elapsed, T)
-        self.timed = equal(self.gone, ca.if_else(elapsed == 0, T, ca.fmax(ca.fmin(elapsed, T), 0)))
+        self.timed = self.gone == ca.if_else(elapsed == 0, T, ca.fmax(ca.fmin(elapsed, T), 0))
         clip = Clip(scenario)
         each = (channel.bounds for channel in clip.channels)
         bounds = ca.vertcat(*(x for b in each for x in (b.V, b.dbar, b.K_min, b.K_max)))
@@ -71,12 +71,12 @@ class GateStep:
         """Hypotheses: the parameters leave some safe command."""
         given = list[Relations]()
         for V, dbar, low, high in self.bounds:
-            given += [above(V, dbar), at_least(dbar), above(low), at_least(high, low)]
+            given += [dbar < V, dbar >= 0, low > 0, high >= low]
         return tuple(given)
 
     def below(self, tops: list[ca.SX]) -> Relations:
         """|sent_i| <= top_i for both axes."""
-        return tuple(at_least(tops[i], way * self.sent[i]) for i in AXES for way in WAYS)
+        return tuple(tops[i] >= way * self.sent[i] for i in AXES for way in WAYS)
 
     def falling(self, mutation: Mutation) -> Relations:
         """|sent_i| <= max(|last_i| - fall_i t, 0) for both axes."""
@@ -104,8 +104,8 @@ def stop(mutation: Mutation) -> Statement:
     A stop sends 0 at once, not a ramp.
     """
     g = GateStep()
-    goals = tuple(equal(g.sent[i], mutation(0, 1e-3) * g[gate.LAST][i]) for i in AXES)
-    return Statement(g.symbols, goals, (g.sound, above(g[gate.STOP])))
+    goals = tuple(g.sent[i] == mutation(0, 1e-3) * g[gate.LAST][i] for i in AXES)
+    return Statement(g.symbols, goals, (g.sound, g[gate.STOP] > 0))
 
 
 @claim("gate.stale", given=f"{SOUND}; {GONE}; age of the command > timeout")
@@ -115,7 +115,7 @@ def stale(mutation: Mutation) -> Statement:
     Without a recent command the base is brought to rest.
     """
     g = GateStep()
-    old = above(g[gate.COMMAND_AGE], ca.SX(SETTINGS.command_timeout))
+    old = g[gate.COMMAND_AGE] > ca.SX(SETTINGS.command_timeout)
     return Statement(g.symbols, g.falling(mutation), (g.sound, old))
 
 
@@ -127,8 +127,8 @@ def latched(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     after = g.system.update[-3]
-    given = g.sound, above(g[gate.LATCHED]), at_least(-g[gate.RESET])
-    return Statement(g.symbols, (g.falling(mutation), equal(after, 1)), given)
+    given = g.sound, g[gate.LATCHED] > 0, -g[gate.RESET] >= 0
+    return Statement(g.symbols, (g.falling(mutation), after == 1), given)
 
 
 @claim("gate.rise", given=f"{SOUND}; {GONE}; whatever command the ramp leads to")
@@ -172,10 +172,10 @@ def inside_shapes(
         limits, found = ca.vertsplit(numbers, [0, len(speeds), 2 * len(speeds)])
         for i, limit in enumerate(ca.vertsplit(limits)):
             cuts[f"limit {i} {scale}"] = limit
-            given.append(above(limit))
+            given.append(limit > 0)
             goals += within(found[i], mutation(1, 0.99) * limit)
         cuts |= {f"goal{i} {scale}": goal[i] for i in AXES}
-        given += [above(symbol) for name, symbol in own[1].items() if name == "robot.l"]
+        given += [symbol > 0 for name, symbol in own[1].items() if name == "robot.l"]
     return Statement(table, goals, given, cuts)
 
 
@@ -213,6 +213,6 @@ def before_governor(mutation: Mutation) -> Statement:
         for i in AXES:
             limit = g.limits[2 * side + i]
             cuts[f"limit {side} {i}"] = limit
-            given.append(above(limit))
-            goals.append(at_least(mutation(1, 0.99) * limit, way * g.sent[i]))
+            given.append(limit > 0)
+            goals.append(mutation(1, 0.99) * limit >= way * g.sent[i])
     return Statement(elements_of(*g.ports), goals, given, cuts)

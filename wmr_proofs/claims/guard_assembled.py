@@ -10,12 +10,8 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
-    Relation,
     Relations,
-    above,
-    at_least,
     between,
-    equal,
     nonnegative,
     positive,
 )
@@ -42,8 +38,8 @@ def axes(mutation: Mutation) -> Statement:
     result = guarded(ca.vertcat(one.asked, two.asked), ca.vertcat(one.y, two.y), both)
     goals = list[Relations]()
     for i, a in enumerate((one, two)):
-        goals.append(equal(result.force[i], clipped(mutation * a.asked, a.y, a.bounds)))
-        goals.append(equal(result.safe[i], clipped(ca.SX(0), a.y, a.bounds)))
+        goals.append(result.force[i] == clipped(mutation * a.asked, a.y, a.bounds))
+        goals.append(result.safe[i] == clipped(ca.SX(0), a.y, a.bounds))
     return Statement(table, goals, positive(one.period, two.period))
 
 
@@ -62,10 +58,10 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     b = a.bounds
     need = mutation(2, 2.01) * a.net * (1 + b.alpha * a.late)
     spread = [a.spread] if a.lateness == LATE else []
-    room = at_least(b.M_min * b.alpha * (b.u1 - b.f_speed), need)
-    brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, a.net), at_least(1, b.alpha * b.period)
-    order = at_least(b.M_max, b.M_min), above(b.u1, b.f_speed)
-    return a.states(room, spread, brakes, order, given=above(feasible(b)))
+    room = b.M_min * b.alpha * (b.u1 - b.f_speed) >= need
+    brakes = b.u1 >= 2 * b.nbar, b.brake >= a.net, b.alpha * b.period <= 1
+    order = b.M_max >= b.M_min, b.u1 > b.f_speed
+    return a.states(room, spread, brakes, order, given=feasible(b) > 0)
 
 
 @claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
@@ -87,9 +83,9 @@ def simulated(mutation: Mutation) -> Statement:
     friction = mu * m * g
     driven = t.v1 + t.step * ca.fmax(push[0], 0) / m
     slow = t.step * (abs(push[0]) + mutation(2, -1) * friction) / m
-    turned = equal(after[1], t.omega + t.step * push[1] / inertia)
-    goals = at_least(ca.fmax(driven, slow), after[0]), turned
-    given = positive(m, inertia, r, half, g, v_s, t.step), at_least(mu)
+    turned = after[1] == t.omega + t.step * push[1] / inertia
+    goals = ca.fmax(driven, slow) >= after[0], turned
+    given = positive(m, inertia, r, half, g, v_s, t.step), mu >= 0
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
 
@@ -110,11 +106,11 @@ def not_blamed(mutation: Mutation) -> Statement:
     mean = (a.asked + way * (t.push - mutation * t.drag)) / a.mass
     new = t.old + b.period * mean
     y, before = new + t.e_new, t.old + t.e_old
-    errors = [at_least(b.nbar, side * t[name]) for side in (1, -1) for name in ("e_new", "e_old")]
-    ahead = (above(ca.fmin(way * y, way * before), b.nbar), at_least(t.drag))
+    errors = [b.nbar >= side * t[name] for side in (1, -1) for name in ("e_new", "e_old")]
+    ahead = (ca.fmin(way * y, way * before) > b.nbar, t.drag >= 0)
     least = least_push(y, before, a.asked, b)
     given = a.feasible(), a.during(), errors, ahead
-    return Statement(a | t, at_least(ca.fmax(t.push, 0), least), given)
+    return Statement(a | t, ca.fmax(t.push, 0) >= least, given)
 
 
 @claim("guard.monitor-quiet", given="any bounds with T, M_min > 0, nbar >= 0")
@@ -127,8 +123,8 @@ def quiet(mutation: Mutation) -> Statement:
     b, old = a.bounds, ca.SX.sym("old")
     least = least_push(a.y, old, a.asked, b)
     same = ca.fmax(ca.fmin(a.y, old), -ca.fmax(a.y, old)) - mutation(0, 1)
-    given = positive(b.period, b.M_min), at_least(b.nbar), at_least(b.nbar, same)
-    return Statement(a | {"old": old}, equal(least), given)
+    given = positive(b.period, b.M_min), b.nbar >= 0, b.nbar >= same
+    return Statement(a | {"old": old}, least == 0, given)
 
 
 @claim(
@@ -146,9 +142,9 @@ def sharp(mutation: Mutation) -> Statement:
     way = ca.if_else(t.way > 0, 1, -1)
     y = t.old + b.period * (a.asked + way * t.push) / b.M_min
     least = least_push(y, t.old, a.asked, b)
-    exact = (equal(b.nbar), equal(b.M_max, b.M_min), positive(b.M_min, b.period))
-    ahead = (above(ca.fmin(way * y, way * t.old)), at_least(t.push))
-    return Statement(a | t, equal(least, mutation * t.push), (exact, ahead))
+    exact = (b.nbar == 0, b.M_max == b.M_min, positive(b.M_min, b.period))
+    ahead = (ca.fmin(way * y, way * t.old) > 0, t.push >= 0)
+    return Statement(a | t, least == mutation * t.push, (exact, ahead))
 
 
 SINCE = Since(
@@ -179,7 +175,7 @@ def late(mutation: Mutation) -> Statement:
     given += positive(b.M_min, b.period), nonnegative(b.nbar, D)
     for axis, name in enumerate("FN"):
         least = motion.least_push(axis, a.y, old, b)
-        goals.append(at_least(D, mutation(1, 1.01) * least))
+        goals.append(mutation(1, 1.01) * least <= D)
         for way in (1, -1):
             newer, older = (ca.fmax(way * t[f"{name}{j}"], 0) for j in (1, 2))
             either = ca.fmax(newer, older)
@@ -187,7 +183,7 @@ def late(mutation: Mutation) -> Statement:
             rest = 0.5 * newer + 0.75 * either + 1.25 * D
             moved = b.M_min * (way * (a.y - old) - 2 * b.nbar) / b.period
             begun = b.M_min * (way * a.y - b.nbar) / b.period
-            given.append(at_least(ca.fmax(mean - moved, rest - begun)))
+            given.append(ca.fmax(mean - moved, rest - begun) >= 0)
     return Statement(a | t, goals, given)
 
 
@@ -216,9 +212,9 @@ class MappedWheels(Named):
         lo, hi = self.pair("lo"), self.pair("hi")
         return [between(lo[i], force[i], hi[i]) for i in (0, 1)]
 
-    def reached(self, force: ca.SX) -> Relation:
+    def reached(self, force: ca.SX) -> Relations:
         """``force`` is within the wheels' reach."""
-        return at_least(self.phi, abs(force[0]) + abs(force[1]) / self.half)
+        return self.phi >= abs(force[0]) + abs(force[1]) / self.half
 
     @property
     def given(self) -> Relations:
@@ -245,7 +241,7 @@ def torques(mutation: Mutation) -> Statement:
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
     largest = ca.fmax(abs(torque[0]), abs(torque[1]))
     size = abs(t.force1) + mutation * abs(t.force2) / t.half
-    return Statement(t, equal(largest, t.r / 2 * size), positive(t.half, t.r))
+    return Statement(t, largest == t.r / 2 * size, positive(t.half, t.r))
 
 
 @map_claim("wheels.necessary", given="F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0")
@@ -260,10 +256,10 @@ def necessary(mutation: Mutation) -> Statement:
     t = w | symbols("dbar1 dbar2")
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
     largest = ca.fmax(abs(torque[0]), abs(torque[1]))
-    tight = above(t.dbar1 + t.dbar2 / t.half, mutation(1, 0.99) * t.phi)
-    held = [at_least(-t[f"force{i}"], t[f"dbar{i}"]) for i in (1, 2)]
+    tight = t.dbar1 + t.dbar2 / t.half > mutation(1, 0.99) * t.phi
+    held = [-t[f"force{i}"] >= t[f"dbar{i}"] for i in (1, 2)]
     signs = nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r)
-    return Statement(t, above(largest, t.phi * t.r / 2), (signs, held, tight))
+    return Statement(t, largest > t.phi * t.r / 2, (signs, held, tight))
 
 
 @map_claim("wheels.{name}", given=BOX, over=tuple({"name": name} for name in MAPS))

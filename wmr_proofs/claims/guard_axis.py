@@ -14,10 +14,7 @@ from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor, room
 from wmr_proofs.relation import (
     Cuts,
     Number,
-    Relation,
     Relations,
-    above,
-    at_least,
     between,
     nonnegative,
     positive,
@@ -149,69 +146,69 @@ class GuardAxis(Named):
     @property
     def _ordered_signs(self) -> Relations:
         b = self.bounds
-        return self.signs, at_least(b.M_max, b.M_min), above(b.u1, b.f_speed)
+        return self.signs, b.M_max >= b.M_min, b.u1 > b.f_speed
 
     @property
     def _times(self) -> Relations:
         if self.lateness < LATE:
             return ()
-        late, J, mixed = at_least(self.delay, self.usual), self.J, self.both_act
-        jitter = (above(J), at_least(self.period, J), at_least(mixed, J))
-        return (jitter, at_least(self.usual, mixed), late) if self.varies else (late,)
+        late, J, mixed = self.delay >= self.usual, self.J, self.both_act
+        jitter = (J > 0, self.period >= J, mixed >= J)
+        return (jitter, self.usual >= mixed, late) if self.varies else (late,)
 
     def sound(self, faster: float = 1) -> Relations:
         """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; nothing on dbar."""
         b = self.bounds
-        quick = at_least(ca.SX(faster), b.alpha * b.period)
-        return self._ordered_signs, quick, at_least(b.u1, 2 * b.nbar), self._times
+        quick = ca.SX(faster) >= b.alpha * b.period
+        return self._ordered_signs, quick, b.u1 >= 2 * b.nbar, self._times
 
     def feasible(self, pushed: float = 1, faster: float = 1) -> Relations:
         """The theorem's hypotheses; factors above 1 relax the first and alpha T <= 1."""
         b = self.bounds
         have = b.M_min * b.alpha * (b.u1 - b.f_speed)
         need = 2 * self.net * (1 + b.alpha * self.late)
-        known = at_least(ca.SX(faster), b.alpha * b.period), at_least(pushed * have, need)
-        brakes = at_least(b.u1, 2 * b.nbar), at_least(b.brake, self.net)
+        known = ca.SX(faster) >= b.alpha * b.period, pushed * have >= need
+        brakes = b.u1 >= 2 * b.nbar, b.brake >= self.net
         spread = [] if self.both_act.is_zero() else [self.spread]
         return self._ordered_signs, known, brakes, self._times, spread
 
     @property
-    def spread(self) -> Relation:
+    def spread(self) -> Relations:
         """The inequality that jitter brings: 2 net mixed <= M_min (u1 - 2 nbar)."""
         b = self.bounds
-        return at_least(b.M_min * (b.u1 - 2 * b.nbar), 2 * self.net * self.both_act)
+        return b.M_min * (b.u1 - 2 * b.nbar) >= 2 * self.net * self.both_act
 
     @property
     def capped(self) -> Relations:
         """Facts of guard.delay.caps on the caps, but for their sum."""
         brakes = self.bounds.braking
-        return at_least(brakes), between(self.net, brakes, self.largest)
+        return brakes >= 0, between(self.net, brakes, self.largest)
 
-    def shared(self, more: float = 1) -> Relation:
+    def shared(self, more: float = 1) -> Relations:
         """The caps' sum: both directions together keep what braking needs."""
         b = self.bounds
         needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
-        return at_least(b.u1 - b.f_speed, self.late * self.S / b.M_min + more * needed)
+        return b.u1 - b.f_speed >= self.late * self.S / b.M_min + more * needed
 
-    def apart(self, more: float = 1) -> Relation:
+    def apart(self, more: float = 1) -> Relations:
         """mixed (largest + net) <= M_min (u1 - 2 nbar), a cap's share."""
         b = self.bounds
-        return at_least(more * b.M_min * (b.u1 - 2 * b.nbar), self.both_act * self.S)
+        return more * b.M_min * (b.u1 - 2 * b.nbar) >= self.both_act * self.S
 
     @property
     def stated(self) -> Relations:
         """Hypotheses on numbers and caps."""
         return (self.sound(), self.capped) if self.lateness else self.feasible()
 
-    def enough(self, rooms: tuple[ca.SX, ca.SX], more: float = 1) -> Relation:
+    def enough(self, rooms: tuple[ca.SX, ca.SX], more: float = 1) -> Relations:
         """Room for braking beside the push in flight, ahead or behind or both together."""
         b = self.bounds
         need = ca.fmax(b.braking + self.net, 0)
         if self.lateness < LATE:
             left = more * (b.u1 - b.f_speed) - self.ahead - self.back
-            return at_least(b.M_min * b.alpha * left, need)
+            return b.M_min * b.alpha * left >= need
         most = ca.fmax(ca.fmax(*rooms), rooms[0] + rooms[1])
-        return at_least(more * b.M_min * b.alpha * most, need)
+        return more * b.M_min * b.alpha * most >= need
 
     def can_brake(self, more: float = 1) -> Relations:
         """Condition for a safe force to exist; a factor above 1 relaxes it."""
@@ -224,18 +221,18 @@ class GuardAxis(Named):
     def measured(self) -> Relations:
         """|y - v| <= nbar."""
         gap = self.y - self.v
-        return at_least(self.nbar, gap), at_least(self.nbar, -gap)
+        return self.nbar >= gap, self.nbar >= -gap
 
     @property
     def inside(self) -> Relations:
         """|v| <= u1."""
-        return at_least(self.u1, self.v), at_least(self.v, -self.u1)
+        return self.u1 >= self.v, self.v >= -self.u1
 
     @property
     def moving(self) -> Relations:
         """No sum is negative."""
         names = ("ahead", "back", "rest_ahead", "rest_back")
-        return tuple(at_least(self[name]) for name in names[: 2 if self.lateness < LATE else 4])
+        return tuple(self[name] >= 0 for name in names[: 2 if self.lateness < LATE else 4])
 
     def during(self, longer: float = 1) -> Relations:
         """Hypotheses 0 <= t <= T, M_min <= M <= M_max, late 0 <= since <= J, t <= T + J - since."""
@@ -243,8 +240,8 @@ class GuardAxis(Named):
         masses = between(b.M_min, mass, b.M_max)
         if self.lateness < LATE:
             return between(0, t, b.period), masses
-        end = at_least(longer * (b.period + self.J) - since, t)
-        return between(0, since, self.J), at_least(t), end, masses
+        end = longer * (b.period + self.J) - since >= t
+        return between(0, since, self.J), t >= 0, end, masses
 
     def reached(self, way: int) -> ca.SX:
         """v+ when the new command may first take over; ``v`` is measured, or its mean."""
@@ -257,7 +254,7 @@ class GuardAxis(Named):
         if not self.lateness:
             return self.measured, during
         most, arrived = self.reached(way) + more, self.arrived
-        arrives = (at_least(most, arrived), at_least(arrived, self.f_speed))
+        arrives = (most >= arrived, arrived >= self.f_speed)
         return self.measured, during, self.moving, arrives
 
     def start(self, way: int, more: Number = 0) -> ca.SX:
@@ -277,12 +274,12 @@ class GuardAxis(Named):
         """Goal: inside stays inside; a factor above 1 enlarges alpha T or the acting force."""
         if not self.lateness:
             return self.feasible(1, longer), self.measured, self.inside, self.during()
-        u1, arrived, brakes = self.u1, self.arrived, at_least(self.bounds.braking, self.net)
-        limits = (at_least(u1, self.start(way)), at_least(self.hi, self.lo))
+        u1, arrived, brakes = self.u1, self.arrived, self.bounds.braking >= self.net
+        limits = (u1 >= self.start(way), self.hi >= self.lo)
         if self.lateness < LATE:
             return self.sound(longer), brakes, self.seen(way, 0, self.during()), limits
         lines = self.lines(way, self("room_", way), u1 - arrived)
-        known = self.during(longer), at_least(arrived, self.f_speed), lines
+        known = self.during(longer), arrived >= self.f_speed, lines
         return self.sound(), brakes, known, limits
 
     def beyond(self, way: int) -> ca.SX:
@@ -293,23 +290,23 @@ class GuardAxis(Named):
         """Hypotheses past u1."""
         beyond, ordered = self.beyond(way), self.ordered(way)
         if self.lateness < LATE:
-            return self.stated, self.seen(way, 0, during), above(beyond), ordered
+            return self.stated, self.seen(way, 0, during), beyond > 0, ordered
         if self.lateness < LAGGING:
-            return self.stated, self.seen(way), self.during(), above(beyond), ordered
+            return self.stated, self.seen(way), self.during(), beyond > 0, ordered
         u1, most, again = self.u1, self.arrived, self.lasts(way)[2] / self.M_min
-        past = above(beyond), at_least(most + again - u1, beyond)
-        left = at_least(u1 - most - again, self("room_", way)), at_least(self.hi, self.lo)
+        past = beyond > 0, most + again - u1 >= beyond
+        left = u1 - most - again >= self("room_", way), self.hi >= self.lo
         return self.stated, past, left
 
     def ordered(self, way: int) -> Relations:
         """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""
-        return (at_least(self.hi, self.lo),) if self.lateness and way < 0 else ()
+        return (self.hi >= self.lo,) if self.lateness and way < 0 else ()
 
-    def withstands(self, extra: ca.SX) -> Relation:
+    def withstands(self, extra: ca.SX) -> Relations:
         """The brakes withstand a push that is too large by ``extra``."""
         b, spare = self.bounds, self.bounds.braking - self.net
         lightest, heaviest = (1, 1) if self.lateness else (b.M_min, b.M_max)
-        return at_least(spare * lightest, heaviest * extra)
+        return spare * lightest >= heaviest * extra
 
     def lasts(self, way: int) -> tuple[ca.SX, ca.SX, ca.SX]:
         """For one direction: Z now and later, and M_min times what the last command adds."""
@@ -321,15 +318,15 @@ class GuardAxis(Named):
     def lines(self, way: int, left: ca.SX, spare: ca.SX) -> list[Relations]:
         """Each line of the room left; ``spare`` is u1 less what is reached."""
         b, J, rise, late = self.bounds, self.J, self.rise, self.rise_late
-        whole = at_least(spare, (1 + b.alpha * J) * left)
+        whole = spare >= (1 + b.alpha * J) * left
         if self.lateness < LAGGING:
             again = self.again.ahead if way > 0 else self.again.back
-            return [at_least(spare, left + again), whole]
+            return [spare >= left + again, whole]
         z, after, again = (item / b.M_min for item in self.lasts(way))
         return [
-            at_least(spare - again, left), whole,
-            at_least(spare - again + rise * after, (1 + b.alpha * rise) * left),
-            at_least(spare + late * z, (1 + b.alpha * (J + late)) * left),
+            spare - again >= left, whole,
+            spare - again + rise * after >= (1 + b.alpha * rise) * left,
+            spare + late * z >= (1 + b.alpha * (J + late)) * left,
         ]  # fmt: skip
 
 

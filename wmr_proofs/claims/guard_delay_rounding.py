@@ -14,7 +14,7 @@ from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import floor
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Relation, Relations, at_least, between, nonnegative, positive
+from wmr_proofs.relation import Cuts, Relations, between, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 
 from . import guard_delay_sums as sums
@@ -63,10 +63,10 @@ class QueuedAxis(RoundedAxis):
         counted = (b.dbar, b.nbar, b.f_min, b.f_speed, self.ahead, self.back)
         return (
             positive(b.u1, b.period, b.M_min, b.alpha, self.delay), nonnegative(*counted),
-            at_least(b.M_max, b.M_min),
-            at_least(1 + DOUBLE.quicker, b.alpha * b.period), self.sized,
-            at_least(less, 2 * b.nbar), at_least(less, b.f_speed), at_least(self.reach, self.net),
-            at_least(self.reach, -self.net),
+            b.M_max >= b.M_min,
+            1 + DOUBLE.quicker >= b.alpha * b.period, self.sized,
+            less >= 2 * b.nbar, less >= b.f_speed, self.reach >= self.net,
+            self.reach >= -self.net,
         )  # fmt: skip
 
     @property
@@ -75,9 +75,9 @@ class QueuedAxis(RoundedAxis):
         return between(1024 * UNIT, self.held_back, 2.0**-20)
 
     @property
-    def counts(self) -> Relation:
+    def counts(self) -> Relations:
         """kept = (1 + n) 2^-44 with alpha delay <= n, n commands."""
-        return at_least(self.held_back * (1 + 2.0**-40), 512 * UNIT * (1 + self.waits))
+        return self.held_back * (1 + 2.0**-40) >= 512 * UNIT * (1 + self.waits)
 
     @property
     def met(self) -> Relations:
@@ -85,27 +85,27 @@ class QueuedAxis(RoundedAxis):
         room = self.held_back * self.reach
         need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
         have = self.slope * (self.u1 - self.f_speed)
-        brakes = at_least(self.brake, abs(self.net) + 5 * room)
-        return at_least(have, need), brakes, at_least(self.waits, 2.0**-6), self.counts
+        brakes = self.brake >= abs(self.net) + 5 * room
+        return have >= need, brakes, self.waits >= 2.0**-6, self.counts
 
     @property
     def bounded(self) -> Relations:
         """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
-        least = at_least(brakes), at_least(brakes, abs(self.net) + room)
-        return least, at_least(largest), at_least(largest, self.net + room)
+        least = brakes >= 0, brakes >= abs(self.net) + room
+        return least, largest >= 0, largest >= self.net + room
 
     def arrives(self, way: int) -> Relations:
         """arrived <= max(way v, f_speed) + the computed push under way, and <= u1."""
         fastest = ca.fmax(way * self.v, self.f_speed)
         most = fastest + self("", way) * (1 + self.held_back / 64) + self.u1 * self.held_back / 8
-        return at_least(most, self.arrived), at_least(self.u1, self.arrived)
+        return most >= self.arrived, self.u1 >= self.arrived
 
-    def leaves(self, brakes: ca.SX) -> Relation:
+    def leaves(self, brakes: ca.SX) -> Relations:
         """Braking room beside both sums."""
         u1 = self.u1 * (1 - self.held_back * (1 - FAR))
         left = self.slope * (u1 - self.f_speed - self.ahead - self.back)
-        return at_least(left, ca.fmax(brakes + self.net, 0))
+        return left >= ca.fmax(brakes + self.net, 0)
 
 
 def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
@@ -138,7 +138,7 @@ def brakes(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     least = abs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
     share = (a.brakes + a.net) * (1 + a.waits)
-    goals = at_least(a.brakes, least), at_least(a.aim + a.over, share)
+    goals = a.brakes >= least, a.aim + a.over >= share
     computed = {"brakes": a.aimed.braking}
     return Statement(a, goals, (a.stated, a.met), computed=computed)
 
@@ -154,7 +154,7 @@ def largest(mutation: Mutation) -> Statement:
     both, off = _sum(a)
     off = mutation(1, 0.1) * off
     computed = {"brakes": a.aimed.braking, "largest": largest_force(a.aimed)}
-    goals = at_least(a.aim + off, both), at_least(both, a.aim - off)
+    goals = a.aim + off >= both, both >= a.aim - off
     return Statement(a, goals, (a.stated, a.met), computed=computed)
 
 
@@ -171,11 +171,11 @@ def caps(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     both, off = _sum(a)
-    braked = at_least(a.brakes, abs(a.net) + 5 * a.held_back * a.reach)
-    part = at_least(a.aim + a.over, (a.brakes + a.net) * (1 + a.waits))
+    braked = a.brakes >= abs(a.net) + 5 * a.held_back * a.reach
+    part = a.aim + a.over >= (a.brakes + a.net) * (1 + a.waits)
     more = (a.over + off) * mutation(1, 0.1)
-    goals = a.bounded, at_least(more, a.waits * (a.brakes - a["largest"]))
-    given = a.stated, a.met, braked, part, at_least(both, a.aim - off)
+    goals = a.bounded, more >= a.waits * (a.brakes - a["largest"])
+    given = a.stated, a.met, braked, part, both >= a.aim - off
     return Statement(a, goals, given)
 
 
@@ -194,9 +194,9 @@ def room(mutation: Mutation) -> Statement:
     both, off = _sum(a)
     extra = (WHEELS + READ + 32 + 20 * a.waits) * UNIT * a.reach
     counted = a.delay * (a["largest"] + a.net + a.more)
-    more = at_least(a.more), at_least(extra * mutation(1, 100), a.waits * a.more)
-    sums = at_least((1 + a.held_back / 64) * counted, a.M_min * (a.ahead + a.back))
-    given = a.stated, a.counts, a.bounded, at_least(a.aim + off, both), more, sums
+    more = a.more >= 0, extra * mutation(1, 100) >= a.waits * a.more
+    sums = (1 + a.held_back / 64) * counted >= a.M_min * (a.ahead + a.back)
+    given = a.stated, a.counts, a.bounded, a.aim + off >= both, more, sums
     return Statement(a, a.leaves(a.brakes), given)
 
 
@@ -213,8 +213,8 @@ def size(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
     caps = ca.fmax(a["largest"], a.brakes)
-    given = a.stated, a.bounded, at_least(reach, a.brakes)
-    goals = tuple(at_least(most, way * a.hat) for most in (reach, caps) for way in (1, -1))
+    given = a.stated, a.bounded, reach >= a.brakes
+    goals = tuple(most >= way * a.hat for most in (reach, caps) for way in (1, -1))
     return Statement(a, goals, given, a.caps, computed=a.text(a.asked))
 
 
@@ -230,7 +230,7 @@ def anchor(mutation: Mutation) -> Statement:
     """
     a = QueuedAxis()
     most = mutation(1, 0.99) * a.brakes
-    goals = at_least(most, a.hat), at_least(most, -a.hat)
+    goals = most >= a.hat, most >= -a.hat
     given = a.stated, a.bounded
     return Statement(a, goals, given, a.caps, computed=a.text(ca.SX(0)))
 
@@ -258,7 +258,7 @@ def force(mutation: Mutation, way: int) -> Statement:
     cuts = {"brakes": b.braking, "largest": largest_force(b), "lo": floor(a.y, b, a.coming)}
     given = [a.stated, a.measured]
     if way > 0:
-        given += [a.arrives(way), at_least(a.brakes, a.net + 2 * a.held_back * a.reach)]
+        given += [a.arrives(way), a.brakes >= a.net + 2 * a.held_back * a.reach]
     else:
         left = a.leaves(mutation * a.brakes)
         given += [a.bounded, a.arrives(way), a.safe(way, a["lo"]), left]
@@ -287,7 +287,7 @@ def together(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     lost = mutation(1, 2) * a.on_wheels
     end = a.arrived + a.t * ca.fmax(a.hat + a.net, 0) / a.mass
-    begins = at_least(a.u1, a.arrived), at_least(a.arrived, a.f_speed)
-    lies = at_least(ca.fmax(a.asked, a.most) + lost, a.hat), a.safe(1, a.asked), a.safe(1, a.most)
+    begins = a.u1 >= a.arrived, a.arrived >= a.f_speed
+    lies = ca.fmax(a.asked, a.most) + lost >= a.hat, a.safe(1, a.asked), a.safe(1, a.most)
     given = a.stated, a.during(), begins, lies
-    return Statement(a, at_least(a.u1, end), given)
+    return Statement(a, a.u1 >= end, given)

@@ -11,7 +11,7 @@ from wmr_ctrl.control.guard.guard import Bounds
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, at_least, between, nonnegative, positive
+from wmr_proofs.relation import Relations, between, nonnegative, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Named, column, symbols
 
@@ -51,7 +51,7 @@ class Queue(Named):
         """Signs of the sums before, and how far they have grown."""
         _, time = self.last
         grown = between(3 * UNIT, self.grown, 2.0**-24)
-        return at_least(time), grown, nonnegative(*(self[name] for name in names))
+        return time >= 0, grown, nonnegative(*(self[name] for name in names))
 
 
 claim = Claims(by=Z3(), premises="assumption.libm")
@@ -69,7 +69,7 @@ def read(mutation: Mutation) -> Statement:
     goals = []
     for place, name in enumerate(("thrust", "moment")):
         lost = mutation(5, 1) * UNIT * abs(exact[place])
-        goals += [at_least(lost, exact[place] - t[name]), at_least(lost, t[name] - exact[place])]
+        goals += [lost >= exact[place] - t[name], lost >= t[name] - exact[place]]
     computed = {"thrust": exact[0], "moment": exact[1]}
     return Statement(t, goals, positive(t.r, t.half), computed=computed)
 
@@ -93,9 +93,9 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     exact = q.exact + time * ca.fmax(way * force + q.lost + q.net, 0)
     off = q.off + time * (q.lost + 2 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
-    before = at_least((1 + q.grown) * q[name] + q.off, q.exact)
+    before = (1 + q.grown) * q[name] + q.off >= q.exact
     given = q.known("front", "rear", "off", "lost"), before
-    goal = at_least(grown * q.ahead + off, exact)
+    goal = grown * q.ahead + off >= exact
     return Statement(q, goal, given, q.before, computed=computed)
 
 
@@ -115,11 +115,11 @@ def both(mutation: Mutation, axis: int) -> Statement:
     force, time = q.last
     most = q.counted + time * (q.most + q.net + 3 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
-    sizes = [at_least(q.most, size) for size in (abs(q.net), force, -force)]
-    before = at_least((1 + q.grown) * q.counted, q.front + q.rear)
+    sizes = [q.most >= size for size in (abs(q.net), force, -force)]
+    before = (1 + q.grown) * q.counted >= q.front + q.rear
     given = q.known("front", "rear", "counted"), sizes, before
     computed = {"ahead": whole.ahead, "back": whole.back}
-    goal = at_least(grown * most, q.ahead + q.back)
+    goal = grown * most >= q.ahead + q.back
     return Statement(q, goal, given, q.before, computed=computed)
 
 
@@ -142,7 +142,7 @@ def scaled(mutation: Mutation) -> Statement:
     for before, after in (("front", "ahead"), ("rear", "back")):
         exact = t[before] * t.period / t.M_min
         lost = mutation(4, 1) * UNIT * exact
-        goals += [at_least(lost, exact - t[after]), at_least(lost, t[after] - exact)]
+        goals += [lost >= exact - t[after], lost >= t[after] - exact]
     signs = positive(t.period, t.M_min), nonnegative(t.front, t.rear)
     cuts, computed = (
         {names[0]: sums.ahead, names[1]: sums.back}

@@ -19,11 +19,7 @@ from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Cuts,
-    Relation,
     Relations,
-    above,
-    at_least,
-    equal,
     every,
     positive,
     when,
@@ -107,19 +103,19 @@ class Assembled(Named):
         """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
         return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
 
-    def _parts(self, torque: ca.SX) -> Iterator[Relation]:
+    def _parts(self, torque: ca.SX) -> Iterator[Relations]:
         bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
         flags = [feasible(b) for b in bounds]
         flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
         flags += self.slow_drives()
-        yield from (at_least(flag, self.told["feasible"]) for flag in flags)
+        yield from (flag >= self.told["feasible"] for flag in flags)
         yield from every(self.torque, torque)
         for age, now in enumerate((self.torque, *self.sent[:-1])[: len(self.sent)], 1):
             yield from every(self.later[f"tau_sent{age}"], now)
         yield from self.kept()
         yield from every(self.later["guard_v"], ca.vertcat(*(y for y, _, _ in self.axes)))
         for axis, known in enumerate(self.least_pushes()):
-            yield equal(self.told["d_least"][axis], known)
+            yield self.told["d_least"][axis] == known
 
     def slow_drives(self) -> list[ca.SX]:
         """Conditions for the drives to be no slower than assumed."""
@@ -127,7 +123,7 @@ class Assembled(Named):
             return []
         return [self.p["actuator.delay"] <= len(self.sent) * self.p["clock.control"]]
 
-    def kept(self) -> Iterator[Relation]:
+    def kept(self) -> Iterator[Relations]:
         """Memory beside the commands under way."""
         yield from every(self.later["tau_applied"], (self.torque, *self.sent)[-1])
 
@@ -205,15 +201,15 @@ def physical(a: GuardAxis) -> Relations:
         return known, a.inside
     limits: list[Relations] = []
     for way, start in zip((1, -1), begun(a), strict=True):
-        limits += at_least(a.u1, start), at_least(a.reached(way), start)
-        limits.append(at_least(start, a.f_speed))
+        limits += a.u1 >= start, a.reached(way) >= start
+        limits.append(start >= a.f_speed)
     return known, a.moving, limits, added(a)
 
 
-def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relation]:
+def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relations]:
     """Goal: the speed stays inside with this force, forwards and backwards."""
     for way, start in zip((1, -1), begun(a), strict=True):
-        yield at_least(a.u1, start + a.t * ca.fmax(way * force + a.net, 0) / a.mass)
+        yield a.u1 >= start + a.t * ca.fmax(way * force + a.net, 0) / a.mass
 
 
 @claim(
@@ -248,11 +244,11 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
         )
     safe, chosen = a.force(ca.SX(0)), a.chosen
     within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
-    braked = at_least(a.bounds.braking, safe), at_least(a.bounds.braking, -safe)
-    goals = at_least(a.hi, a.lo), braked, when(within, [*stays(a, chosen)])
+    braked = a.bounds.braking >= safe, a.bounds.braking >= -safe
+    goals = a.hi >= a.lo, braked, when(within, [*stays(a, chosen)])
     ahead, back = a.left
     cuts = {"hi": a.hi, "back": -a.lo, "room_ahead": ahead, "room_back": back} | a.cuts
-    given = physical(a), above(feasible(a.bounds)), taken
+    given = physical(a), feasible(a.bounds) > 0, taken
     return Statement(a, goals, given, cuts)
 
 
@@ -276,7 +272,7 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     r, half = e.wheels
     force = wheel_to_force(r, half, e.torque)
     goals: list[Relations] = []
-    given, cuts = list[Relations]([above(e.told["feasible"])]), dict(e.cuts)
+    given, cuts = list[Relations]([e.told["feasible"] > 0]), dict(e.cuts)
     given.append(positive(r, half, e.p["actuator.tau_max"]))
     table = e | symbols("t")
     for axis, (y, b, coming) in enumerate(e.axes):
@@ -289,7 +285,7 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
         values |= {"y": y, "t": table["t"], "chosen": force[axis]}
         # The premise's own premises are no hypotheses of it.
         known = physical(a)
-        alone = replace(kept(CLAIMED, a), given=(known, above(feasible(a.bounds))))
+        alone = replace(kept(CLAIMED, a), given=(known, feasible(a.bounds) > 0))
         given += [valued(known, a, values), instance(alone, values)]
         goals += valued([*stays(a, mutation * a.chosen)], a, values)
         back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
@@ -315,7 +311,7 @@ def carried(mutation: Mutation, kind: str) -> Statement:
     """
     e = Assembled(guard, setup(kind, 2))
     free, force = symbols("linear angular"), wheel_to_force(*e.wheels, e.torque)
-    given = list[Relations]([above(e.told["feasible"])])
+    given = list[Relations]([e.told["feasible"] > 0])
     given.append(positive(*e.wheels, e.p["actuator.tau_max"]))
     goals, cuts, a = list[Relations](), dict(e.cuts), GuardAxis(DELAYED)
     for axis, (y, b, coming) in enumerate(e.axes):
@@ -324,14 +320,14 @@ def carried(mutation: Mutation, kind: str) -> Statement:
         name, most = (*free.items(),)[axis]
         values = {number: getattr(b, number) for number in (*NUMBERS.split(), "delay")}
         values |= {"y": y, "asked": e.asked[axis], "ahead": coming.ahead, "back": coming.back}
-        given += valued(a.signs, a, values), equal(most, largest_force(b))
+        given += valued(a.signs, a, values), most == largest_force(b)
         given += [instance(item(CLAIMED, a), values) for item in (caps, largest, anchor)]
         for age, tau in enumerate(e.sent):
             before = wheel_to_force(*e.wheels, tau)[axis]
             given += within(before, most)
             cuts[f"sent {name} {age}"] = before
         sums = b.delay * (most + b.dbar - b.f_min) / b.M_min
-        goals.append(at_least(sums, coming.ahead + coming.back))
+        goals.append(sums >= coming.ahead + coming.back)
         goals += within(force[axis], mutation(1, 0.99) * most)
         wish = {"wish": e.asked[axis], "safe": ca.SX(0)}
         cuts |= {f"{key} {name}": clipped(part, y, b, coming) for key, part in wish.items()}

@@ -32,7 +32,7 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import System
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relation, Relations, above, every, positive
+from wmr_proofs.relation import Relations, every, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -162,7 +162,7 @@ class LateAssembled(Assembled):
         lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
         return super().signs, positive(lag, 1 - spread)
 
-    def kept(self) -> Iterator[Relation]:
+    def kept(self) -> Iterator[Relations]:
         """Memory of older commands, of the guard and of the monitor."""
         if not self.counted.lag:
             return
@@ -327,6 +327,6 @@ def controller(
     ours = ca.substitute(ours, ca.vertcat(*alone.p.values()), ca.vertcat(*put))
     free = symbols("e") if stated else Symbols()
     share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
-    below = (item for e in free.values() for item in (above(e), above(1, e)))
+    below = (item for e in free.values() for item in (e > 0, e < 1))
     given, cuts = (whole.signs, *below), {**whole.cuts, **share}
     return Statement(whole | free, every(mutation * theirs, ours), given, cuts)

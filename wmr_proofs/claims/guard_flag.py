@@ -16,11 +16,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.relation import (
     Cuts,
-    Relation,
     Relations,
-    above,
-    at_least,
-    equal,
     every,
     nonnegative,
     positive,
@@ -59,11 +55,11 @@ class Flag(Assembled):
         numbers = (*self.wheels, *(self.p[name] for name in shared), *own)
         return positive(*numbers), nonnegative(*less)
 
-    def authority(self, b: Bounds, share: float = 2) -> Relation:
+    def authority(self, b: Bounds, share: float = 2) -> Relations:
         """The theorem's first condition, to within the flag's rounding."""
         late = 1 if b.delay is None else 1 + b.alpha * b.delay
         room = b.u1 - b.f_speed + (1 + len(self.sent)) * NEAR * b.u1
-        return at_least(b.M_min * b.alpha * room, share * b.net * late)
+        return b.M_min * b.alpha * room >= share * b.net * late
 
     def computes(self, texts: Cuts, free: Symbols, goals: Relations, given: Relations) -> Statement:
         """The statement about what doubles compute for ``texts``."""
@@ -88,10 +84,10 @@ def conditions(mutation: Mutation, n: int) -> Statement:
     e, free, near = Flag(n), symbols("flag"), 1 + NEAR
     goals = list[Relations]()
     for b in e.both:
-        goals += e.authority(b, mutation(2, 2.01)), at_least(b.brake + NEAR * abs(b.net), b.net)
-        goals += at_least(near, b.alpha * b.period), at_least(b.u1 * near, 2 * b.nbar)
-        goals += above(b.u1 * near, b.f_speed), at_least(b.M_max, b.M_min)
-    return e.computes({"flag": e.told["feasible"]}, free, goals, above(free.flag))
+        goals += e.authority(b, mutation(2, 2.01)), b.brake + NEAR * abs(b.net) >= b.net
+        goals += near >= b.alpha * b.period, b.u1 * near >= 2 * b.nbar
+        goals += b.u1 * near > b.f_speed, b.M_max >= b.M_min
+    return e.computes({"flag": e.told["feasible"]}, free, goals, free.flag > 0)
 
 
 @claim(
@@ -112,8 +108,8 @@ def braking(mutation: Mutation, n: int) -> Statement:
     for name, b in zip(free, e.both, strict=True):
         computed[name] = b.braking
         goals += within(free[name] - b.braking, share * size(b)), within(b.braking, size(b))
-        given += e.authority(b), above(b.u1 * (1 + NEAR), b.f_speed)
-    given += [at_least(b.brake + NEAR * abs(b.net), b.net) for b in e.both]
+        given += e.authority(b), b.u1 * (1 + NEAR) > b.f_speed
+    given += [b.brake + NEAR * abs(b.net) >= b.net for b in e.both]
     return e.computes(computed, free, goals, given)
 
 
@@ -131,14 +127,14 @@ def reach(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("flag first second exact1 exact2 size1 size2")
     share, half = 4 * (1 + n) * NEAR, e.wheels[1]
-    given: list[Relations] = [above(free.flag)]
+    given: list[Relations] = [free.flag > 0]
     for k, (name, b) in enumerate(zip(("first", "second"), e.both, strict=True), 1):
         exact, most = free[f"exact{k}"], free[f"size{k}"]
         given += [within(free[name] - exact, share * most), within(exact, most)]
-        given += [equal(most, size(b)), equal(exact, b.braking)]
+        given += [most == size(b), exact == b.braking]
     off = 2 * share * (free.size1 + free.size2 / half)
     braked = free.exact1 + free.exact2 / half
-    goal = at_least(e.phi * (1 + 8 * NEAR) + mutation * off, braked)
+    goal = e.phi * (1 + 8 * NEAR) + mutation * off >= braked
     computed = {"flag": e.told["feasible"], "first": e.both[0].braking, "second": e.both[1].braking}
     return e.computes(computed, free, goal, given)
 
@@ -199,7 +195,7 @@ def applied(mutation: Mutation) -> Statement:
     )  # fmt: skip
     cuts = {"e": share, "right": commands[0][0], "left": commands[0][1]}
     table = e | free | symbols("right left")
-    return Statement(table, goals, (above(free.e), above(1, free.e)), cuts)
+    return Statement(table, goals, (free.e > 0, free.e < 1), cuts)
 
 
 @watched_claim(
@@ -222,9 +218,9 @@ def kept(mutation: Mutation) -> Statement:
         for axis, b in enumerate(map(both.axis, (0, 1))):
             u1 = p.take("limits.v_u1")[axis]
             assert b.delay is not None
-            goals.append(equal(b.u1, u1 * (1 - (1 + n) * 2.0**-44)))
+            goals.append(b.u1 == u1 * (1 - (1 + n) * 2.0**-44))
             put = {"share": b.u1 / u1, "alpha": b.alpha, "delay": b.delay}
             goals += valued([a.sized, a.counts], a, put)
             given += positive(b.period, b.alpha, u1)
-            given.append(at_least(mutation(1 + DOUBLE.quicker, 2), b.alpha * b.period))
+            given.append(mutation(1 + DOUBLE.quicker, 2) >= b.alpha * b.period)
     return Statement(table, goals, given)

@@ -11,7 +11,7 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import integral, moved, push, waiting
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, at_least, between, equal, nonnegative, positive
+from wmr_proofs.relation import Relations, between, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -34,11 +34,11 @@ claim = Claims(by=Z3())
 def exponentials(a: GuardAxis) -> Relations:
     """Their relations; without jitter T and T + J are the same time."""
     fast, slow, rises, falls = a.fast, a.slow, a.rises_by, a.falls
-    same = () if a.varies else (equal(a.rise_late, a.rise),)
+    same = () if a.varies else (a.rise_late == a.rise,)
     return (
-        between(0, fast, slow), positive(slow), between(0, rises, falls), at_least(1, falls),
-        at_least(a.J, slow * (1 - falls)), equal(a.rise_J, (slow - fast) * (1 - rises)),
-        between(0, a.rise, a.rise_late), at_least(slow - fast, a.rise_late), same,
+        between(0, fast, slow), positive(slow), between(0, rises, falls), falls <= 1,
+        slow * (1 - falls) <= a.J, a.rise_J == (slow - fast) * (1 - rises),
+        between(0, a.rise, a.rise_late), slow - fast >= a.rise_late, same,
     )  # fmt: skip
 
 
@@ -58,9 +58,9 @@ def varying_moved(mutation: Mutation) -> Statement:
     t = symbols("z p more_z more_p falls rises between")
     z, p, more_z, more_p, falls, rises, e = t.values()
     first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
-    rises_with = at_least(mutation(1, 0.99) * second, first)
-    lies = between(p + e * (z - p), first, ca.fmax(z, p)), at_least(first, ca.fmin(z, p))
-    sizes = nonnegative(z, p), at_least(more_z, z), at_least(more_p, p)
+    rises_with = mutation(1, 0.99) * second >= first
+    lies = between(p + e * (z - p), first, ca.fmax(z, p)), first >= ca.fmin(z, p)
+    sizes = nonnegative(z, p), more_z >= z, more_p >= p
     given = sizes, between(0, rises, e), between(e, falls, 1)
     return Statement(t, (rises_with, lies), given)
 
@@ -75,7 +75,7 @@ def varying_integral(mutation: Mutation) -> Statement:
     z, p, time, a, b, falls, rises = t.values()
     weights = (time, b * (1 - falls), a * (1 - rises))
     whole = b * moved(z, p, (falls, rises)) + integral(z, p, weights)
-    goal = equal(whole, b * z + waiting(z, p, time, (b - mutation * a) * (1 - rises)))
+    goal = whole == b * z + waiting(z, p, time, (b - mutation * a) * (1 - rises))
     return Statement(t, goal)
 
 
@@ -91,9 +91,9 @@ def varying_piece(mutation: Mutation) -> Statement:
     t = symbols("z p most time fall rise")
     z, p, most, time, fall, rise = t.values()
     counted = integral(z, p, (time, fall, rise))
-    given = [at_least(item) for item in (z, p, fall, rise)]
-    given += [at_least(most, z), at_least(most, p), at_least(time, fall), at_least(time, rise)]
-    goals = at_least(mutation(1, 0.99) * time * most, counted), at_least(counted)
+    given = [item >= 0 for item in (z, p, fall, rise)]
+    given += [most >= z, most >= p, time >= fall, time >= rise]
+    goals = mutation(1, 0.99) * time * most >= counted, counted >= 0
     return Statement(t, goals, given)
 
 
@@ -109,9 +109,9 @@ def varying_more(mutation: Mutation) -> Statement:
     again = waiting(z, p, a.J, a.rise_J)
     after = moved(z, p, (a.falls, a.rises_by))
     b, more = a.slow, mutation(1, 0.99)
-    last = at_least(more * (b + a.J) * most, b * z + again + a.rise * (most - after))
-    goals = last, at_least(b * most, b * z + a.rise_late * (most - z)), at_least(again)
-    sizes = positive(a.J), between(0, z, most), at_least(most, p), positive(most)
+    last = more * (b + a.J) * most >= b * z + again + a.rise * (most - after)
+    goals = last, b * most >= b * z + a.rise_late * (most - z), again >= 0
+    sizes = positive(a.J), between(0, z, most), most >= p, positive(most)
     return a.states(goals, given=(exponentials(a), sizes))
 
 
@@ -129,14 +129,14 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     The caps leave what braking needs, also where both directions are full.
     """
     b, lag, S = a.bounds, a.slow, a.S
-    given = [at_least(a.usual, a.J + lag), equal(a.both_act, a.usual), at_least(lag)]
+    given = [a.usual >= a.J + lag, a.both_act == a.usual, lag >= 0]
     for way, name in ((1, "ahead"), (-1, "back")):
         for sums, time in ((a[name], a.usual), (a[f"rest_{name}"], a.late)):
-            given.append(at_least((time - a.J - lag) * S + lag * a.lasts(way)[0], b.M_min * sums))
+            given.append((time - a.J - lag) * S + lag * a.lasts(way)[0] >= b.M_min * sums)
     cores = [_core(a, way, left, S) for way, left in zip((1, -1), spares(a), strict=True)]
     need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
     rules = (a.stated, a.shared(), a.apart(), given)
-    return Statement(a, at_least(larger(*cores), need), rules, a.cuts)
+    return Statement(a, larger(*cores) >= need, rules, a.cuts)
 
 
 @claim(
@@ -154,11 +154,11 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     z, after, again = a.lasts(1)
     lag, J = a.slow, a.J
     least = mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha)
-    goal = at_least(b.M_min * a.sums.left(room, b), least)
+    goal = b.M_min * a.sums.left(room, b) >= least
     given = (
-        between(0, z, most), between(0, after, most), at_least(again),
-        positive(most), at_least((lag + J) * most, lag * z + again + a.rise * (most - after)),
-        at_least(lag * most, lag * z + a.rise_late * (most - z)), exponentials(a),
+        between(0, z, most), between(0, after, most), nonnegative(again),
+        positive(most), (lag + J) * most >= lag * z + again + a.rise * (most - after),
+        lag * most >= lag * z + a.rise_late * (most - z), exponentials(a),
         positive(b.M_min, b.alpha, *([J] * a.varies)),
     )  # fmt: skip
     return Statement(a, goal, given)
@@ -179,10 +179,10 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     rooms, cores = (t.room_ahead, t.room_back), (t.core_ahead, t.core_back)
     need = ca.fmax(t.brakes + a.net, 0) / b.alpha
     pairs = zip(rooms, cores, strict=True)
-    lines = [at_least(b.M_min * room, ca.fmin(core, a.most / b.alpha)) for room, core in pairs]
-    needed = at_least(larger(*cores), need), at_least(a.most, need * b.alpha)
+    lines = [b.M_min * room >= ca.fmin(core, a.most / b.alpha) for room, core in pairs]
+    needed = larger(*cores) >= need, a.most >= need * b.alpha
     given = lines, needed, positive(b.M_min, b.alpha)
-    goal = at_least(b.M_min * larger(*rooms), mutation(1, 1.01) * need)
+    goal = b.M_min * larger(*rooms) >= mutation(1, 1.01) * need
     return Statement(a | t, goal, given)
 
 
@@ -222,9 +222,9 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     p, period = ca.fmax(a.push(way), 0), mutation(1, 1.01) * b.period
     early = waiting(z, p, period + a.J, a.rise_late) / a.mass
     late = (waiting(after, p, period, a.rise) + again) / a.mass
-    goals = [at_least(b.u1, a.arrived + ca.if_else(p > 0, more, spare)) for more in (early, late)]
-    limits = at_least(b.braking, a.net), at_least(a.hi, a.lo), a.lines(way, a("room_", way), spare)
-    masses = nonnegative(z, after, again), at_least(a.mass, b.M_min), positive(b.M_min)
+    goals = [b.u1 >= a.arrived + ca.if_else(p > 0, more, spare) for more in (early, late)]
+    limits = b.braking >= a.net, a.hi >= a.lo, a.lines(way, a("room_", way), spare)
+    masses = nonnegative(z, after, again), a.mass >= b.M_min, positive(b.M_min)
     given = a.sound(), exponentials(a), limits, masses
     return Statement(a, goals, given, a.rooms)
 
@@ -252,10 +252,8 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     late = waiting(after + D, p, b.period, a.rise) + again
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     start = a.arrived + D * a.late / b.M_min
-    goals = [
-        at_least(limit, ca.if_else(p > 0, start + more / b.M_min, b.u1)) for more in (early, late)
-    ]
+    goals = [limit >= ca.if_else(p > 0, start + more / b.M_min, b.u1) for more in (early, late)]
     lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
-    known = a.stated, exponentials(a), at_least(D), a.withstands(D)
+    known = a.stated, exponentials(a), D >= 0, a.withstands(D)
     given = known, lines, nonnegative(z, after, again)
     return Statement(a, goals, given, a.rooms)

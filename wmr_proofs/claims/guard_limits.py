@@ -12,7 +12,7 @@ from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import above, at_least, equal, nonnegative, positive
+from wmr_proofs.relation import equal, nonnegative, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -41,10 +41,10 @@ def maximal(mutation: Mutation) -> Statement:
     a = GuardAxis()
     b = a.bounds
     exact = map(equal, (b.nbar, b.f_min, b.f_speed, 1 - b.alpha * b.period))
-    given = a.feasible(), *exact, at_least(a.v), a.inside
+    given = a.feasible(), *exact, a.v >= 0, a.inside
     more = a.asked - ceiling(a.v, b)
     end = a.v + b.period * (a.asked + b.dbar) / mutation(b.M_min, b.M_max)
-    return Statement(a, above(end, a.u1), (given, above(more)))
+    return Statement(a, end > a.u1, (given, more > 0))
 
 
 @claim("guard.necessary", given="u1, T, M_min, dbar > 0, delay >= 0")
@@ -57,9 +57,9 @@ def necessary(mutation: Mutation) -> Statement:
     t = symbols("u1 period M_min dbar delay force")
     u1, period, mass, dbar, delay, force = t.values()
     time = period + delay
-    tight = above(2 * dbar * time, mutation(1, 0.99) * mass * u1)
+    tight = 2 * dbar * time > mutation(1, 0.99) * mass * u1
     sizes = positive(u1, period, mass, dbar), nonnegative(delay, -force - dbar)
-    return Statement(t, above(time * (dbar - force) / mass, u1), (sizes, tight))
+    return Statement(t, time * (dbar - force) / mass > u1, (sizes, tight))
 
 
 @claim(
@@ -79,13 +79,13 @@ def sides(mutation: Mutation, a: GuardAxis) -> Statement:
     t = symbols("behind", "behind")
     b, coming = replace(a.bounds, back=t.behind), a.coming
     one = replace(a.bounds, u1=mutation(1, 1.01) * b.narrow)
-    goals = [at_least(ceiling(a.y, b, coming), ceiling(a.y, one, coming))]
+    goals = [ceiling(a.y, b, coming) >= ceiling(a.y, one, coming)]
     if not a.lateness:  # else the caps stand for any numbers
-        goals.append(equal(b.mirrored.braking, one.braking))
+        goals.append(b.mirrored.braking == one.braking)
     late = [a.delay] * (a.lateness > AT_ONCE) + [a.jitter, a.mixed] * (a.lateness == LATE)
     given = (
-        positive(a.period, a.M_min, a.alpha, a.u1, t.behind, *late), at_least(a.M_max, a.M_min),
-        at_least(1, a.alpha * a.period),
+        positive(a.period, a.M_min, a.alpha, a.u1, t.behind, *late), a.M_max >= a.M_min,
+        a.alpha * a.period <= 1,
     )  # fmt: skip
     caps = {"brakes": b.braking, "largest": largest_force(b)} if a.lateness else {}
     return Statement(a | t, goals, given, caps)
@@ -105,10 +105,10 @@ def longer(_: Mutation) -> Statement:
     time = 1.01 * a.periods * a.period
     given = (
         a.sound(), a.capped, a.measured, a.during(), nonnegative(a.since, a.periods),
-        at_least(time, a.since), at_least(reached, a.arrived), at_least(a.u1, a.arrived),
-        at_least(a.arrived, b.f_speed), at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a))),
+        time >= a.since, reached >= a.arrived, a.u1 >= a.arrived,
+        a.arrived >= b.f_speed, ceiling(a.y, b, only(a)) >= floor(a.y, b, only(a)),
     )  # fmt: skip
-    return Statement(a, at_least(a.u1, end), given, a.cuts)
+    return Statement(a, a.u1 >= end, given, a.cuts)
 
 
 @claim("guard.delay.uncapped", given=FEASIBLE)
@@ -120,7 +120,7 @@ def uncapped(_: Mutation) -> Statement:
     a = GuardAxis(DELAYED)
     b = a.bounds
     most = b.M_min * b.alpha * (b.u1 - b.f_speed) - a.net
-    sent = (at_least(most, a.sent), at_least(most, -a.sent))
-    whole = at_least(a.delay, a.periods * a.period)
-    goal = at_least(ceiling(a.y, b, only(a)), floor(a.y, b, only(a)))
-    return Statement(a, goal, (a.feasible(), sent, whole, at_least(a.periods)))
+    sent = (most >= a.sent, most >= -a.sent)
+    whole = a.delay >= a.periods * a.period
+    goal = ceiling(a.y, b, only(a)) >= floor(a.y, b, only(a))
+    return Statement(a, goal, (a.feasible(), sent, whole, a.periods >= 0))

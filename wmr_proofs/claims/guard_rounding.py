@@ -17,7 +17,7 @@ from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Number, Relation, Relations, at_least, positive
+from wmr_proofs.relation import Cuts, Number, Relations, positive
 from wmr_proofs.statement import UNIT, Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -84,7 +84,7 @@ class RoundedAxis(GuardAxis):
     def measured(self) -> Relations:
         """|y - v| <= nbar + unit |v|: the measured velocity is a rounded number, too."""
         gap, most = self.y - self.v, self.nbar + self.precision.unit * abs(self.v)
-        return at_least(most, gap), at_least(most, -gap)
+        return most >= gap, most >= -gap
 
     @property
     def stated(self) -> Relations:
@@ -92,18 +92,18 @@ class RoundedAxis(GuardAxis):
         b, spare = self.bounds, self.precision.spare * self.reach
         less = b.u1 * (1 - self.precision.spare)
         return (
-            self.signs, at_least(b.M_max, b.M_min),
-            at_least(1 + self.precision.quicker, b.alpha * b.period),
-            at_least(self.slope * (b.u1 - b.f_speed), 2 * self.net + spare),
-            at_least(less, 2 * b.nbar), at_least(less, b.f_speed),
-            at_least(b.brake, self.net + spare / 2), at_least(self.reach, -self.net),
+            self.signs, b.M_max >= b.M_min,
+            1 + self.precision.quicker >= b.alpha * b.period,
+            self.slope * (b.u1 - b.f_speed) >= 2 * self.net + spare,
+            less >= 2 * b.nbar, less >= b.f_speed,
+            b.brake >= self.net + spare / 2, self.reach >= -self.net,
         )  # fmt: skip
 
-    def safe(self, way: int, force: ca.SX) -> Relation:
+    def safe(self, way: int, force: ca.SX) -> Relations:
         """The force leaves what the wheels' rounding and the motion need."""
         fastest = self.arrived if self.lateness else ca.fmax(way * self.v, self.f_speed)
         left = self.slope * (self.u1 * (1 - self.held_back / 32) - fastest)
-        return at_least(ca.fmax(left, 0), way * force + self.net + self.on_wheels)
+        return ca.fmax(left, 0) >= way * force + self.net + self.on_wheels
 
 
 def _wheels() -> Symbols:
@@ -113,7 +113,7 @@ def _wheels() -> Symbols:
 
 
 def _within(most: ca.SX, value: ca.SX) -> Relations:
-    return at_least(most, value), at_least(most, -value)
+    return most >= value, most >= -value
 
 
 STATED = (
@@ -195,7 +195,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     # Of what may be asked, and of the safe point.
     a = RoundedAxis(precision=precision)
     most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
-    goals = at_least(most, a.hat), at_least(most, -a.hat)
+    goals = most >= a.hat, most >= -a.hat
     computed = a.text(a.asked)
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
@@ -208,7 +208,7 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """
     a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a.most
-    goals = at_least(most, a.hat), at_least(most, -a.hat)
+    goals = most >= a.hat, most >= -a.hat
     computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
@@ -230,14 +230,14 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     given: list[Relations] = [positive(t.half, t.phi)]
     for i in "12":
         given += _within(t[f"cap{i}"], t[f"safe{i}"]), _within(t[f"size{i}"], t[f"force{i}"])
-        given.append(at_least(t[f"size{i}"], t[f"cap{i}"]))
+        given.append(t[f"size{i}"] >= t[f"cap{i}"])
         for value in (t[f"force{i}"], t[f"safe{i}"]):
-            given += at_least(t[f"hi{i}"], value), at_least(value, t[f"lo{i}"])
-    given.append(at_least(t.phi * (1 + 4 * precision.unit), t.cap1 + t.cap2 / t.half))
+            given += t[f"hi{i}"] >= value, value >= t[f"lo{i}"]
+    given.append(t.phi * (1 + 4 * precision.unit) >= t.cap1 + t.cap2 / t.half)
     lost = mutation(12, 1) * precision.unit * (t.size1 + t.size2 / t.half)
     goals = list[Relations]()
     for i, value, error in (("1", t.thrust, lost), ("2", t.moment, lost * t.half)):
-        goals += at_least(t[f"hi{i}"] + error, value), at_least(value, t[f"lo{i}"] - error)
+        goals += t[f"hi{i}"] + error >= value, value >= t[f"lo{i}"] - error
     force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
     both = MAPS[kind](force, t.phi, t.half, safe)
     computed = {"thrust": both[0], "moment": both[1]}
@@ -286,8 +286,8 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     for way in (1, -1):
         fastest = ca.fmax(way * a.v, b.f_speed)
         end = fastest + a.t * ca.fmax(way * a.hat + a.net, 0) / a.mass
-        goals.append(at_least(b.u1, end))
+        goals.append(b.u1 >= end)
         asked, safe = way * a.asked, way * a.most
-        given.append(at_least(ca.fmax(asked, safe) + lost, way * a.hat))
+        given.append(ca.fmax(asked, safe) + lost >= way * a.hat)
         given += [a.safe(way, a[name]) for name in ("asked", "most")]
     return Statement(a, goals, given)

@@ -12,7 +12,7 @@ import casadi as ca
 
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, at_least
+from wmr_proofs.relation import Relations
 from wmr_proofs.statement import Statement
 
 from .guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
@@ -94,7 +94,7 @@ def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
 
     There is always a safe force: nothing has to be checked while it runs.
     """
-    return Statement(a, at_least(a.hi, a.lo), a.can_brake(mutation(1, 1.01)), a.rooms)
+    return Statement(a, a.hi >= a.lo, a.can_brake(mutation(1, 1.01)), a.rooms)
 
 
 @claim(
@@ -109,7 +109,7 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     Commands stay as small as those before them were assumed to be.
     """
     most, force = mutation(1, 0.99) * a.largest, a.force(a.asked)
-    goals = at_least(most, force), at_least(most, -force)
+    goals = most >= force, most >= -force
     return Statement(a, goals, a.stated, a.rooms)
 
 
@@ -125,7 +125,7 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     The smallest safe force is within the brake cap, so the wheel maps stay in the box.
     """
     most = mutation(1, 0.99) * a.bounds.braking
-    return Statement(a, at_least(most, abs(a.force(ca.SX(0)))), a.stated, a.rooms)
+    return Statement(a, most >= abs(a.force(ca.SX(0))), a.stated, a.rooms)
 
 
 @claim(
@@ -141,7 +141,7 @@ def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     A robot within its limit stays within it, forwards and backwards.
     """
     given = a.kept(way, mutation(1, 1.01))
-    return Statement(a, at_least(a.u1, a.then(way)), given, a.rooms)
+    return Statement(a, a.u1 >= a.then(way), given, a.rooms)
 
 
 @claim(
@@ -158,7 +158,7 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """
     b = a.bounds
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
-    goals = at_least(-a.push(way)), at_least(-a.push(way), needed)
+    goals = -a.push(way) >= 0, -a.push(way) >= needed
     cuts = a.rooms if a.lateness == LAGGING else a.cuts
     return Statement(a, goals, a.outside(way), cuts)
 
@@ -178,7 +178,7 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     b, mass, start = a.bounds, a.mass, a.start(way)
     step = b.period * (b.braking - a.net) / mass
     end = start + b.period * a.push(way) / mass
-    goal = at_least(ca.fmax(a.u1, start - mutation(1, 1.01) * step), end)
+    goal = ca.fmax(a.u1, start - mutation(1, 1.01) * step) >= end
     return Statement(a, goal, a.outside(way, a.during()), a.cuts)
 
 
@@ -192,7 +192,7 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
     a = GuardAxis()
     fallen = a.f_speed + a.t * ca.fmax(a.net - way * a.force(a.asked), 0) / a.mass
     limit = mutation(a.u1, 0.99 * a.u1)
-    return Statement(a, at_least(limit, fallen), (a.feasible(), a.during()))
+    return Statement(a, limit >= fallen, (a.feasible(), a.during()))
 
 
 @claim(
@@ -208,9 +208,9 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     b, D = a.bounds, a.extra
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     seen = a.seen(way, D * a.late / b.M_min, a.during())
-    begins = at_least(D), a.withstands(D), at_least(limit, a.start(way))
+    begins = D >= 0, a.withstands(D), limit >= a.start(way)
     given = a.stated, seen, begins, a.ordered(way)
-    return Statement(a, at_least(limit, a.then(way, D)), given, a.cuts)
+    return Statement(a, limit >= a.then(way, D), given, a.cuts)
 
 
 @claim(
@@ -232,11 +232,11 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     last = b.period + a.J - a.since
     end = over + last * ca.fmax(most + a.net + D, 0) / a.mass
     free = a.arrived - D * (a.late - a.J) / b.M_min - b.u1
-    known = a.sound(), a.capped, a.during(), at_least(a.arrived, b.f_speed)
-    begins = at_least(D), a.withstands(D), at_least(limit, over)
+    known = a.sound(), a.capped, a.during(), a.arrived >= b.f_speed
+    begins = D >= 0, a.withstands(D), limit >= over
     given = known, a.lines(way, left, -free), begins
     cuts = {**a.cuts, "room": a.left[0 if way > 0 else 1]}
-    return Statement(a, at_least(limit, end), given, cuts)
+    return Statement(a, limit >= end, given, cuts)
 
 
 @claim("guard.{at}left", given=f"{{seen}}; {SIGNS}, alpha T <= 1, 0 <= J <= T", over=on("late."))

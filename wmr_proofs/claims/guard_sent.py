@@ -11,16 +11,7 @@ from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
-    Relation,
-    Relations,
-    at_least,
-    between,
-    equal,
-    nonnegative,
-    positive,
-    when,
-)
+from wmr_proofs.relation import Relations, at_least, between, nonnegative, positive, when
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, symbols
 
@@ -88,14 +79,14 @@ def command(mutation: Mutation, place: int) -> Statement:
     a = GuardAxis(DELAYED)
     one, b, time = only(a, place), a.bounds, a.periods * a.period
     most = mutation(1, 0.99) * time * a.S / b.M_min
-    goals = [at_least(most, one.ahead + one.back)]
+    goals = [most >= one.ahead + one.back]
     for way, coming in ((1, one.ahead), (-1, one.back)):
         start = ca.fmax(way * a.v, b.f_speed)
         seen = ca.fmax(way * a.y + b.nbar, b.f_speed)
         reached = start + a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
-        goals.append(at_least(seen + coming, reached))
-    sent = (at_least(a.largest, a.sent), at_least(a.largest, -a.sent))
-    during = (between(0, a.since, time), at_least(a.periods))
+        goals.append(seen + coming >= reached)
+    sent = (a.largest >= a.sent, a.largest >= -a.sent)
+    during = (between(0, a.since, time), a.periods >= 0)
     return Statement(a, goals, (a.stated, a.measured, a.during(), sent, during))
 
 
@@ -114,8 +105,8 @@ def queue(mutation: Mutation) -> Statement:
         for n in range(1, 6):
             every, last = (in_flight(part, axis, a.bounds) for part in (sent[:n], sent[n - 1 : n]))
             rest = in_flight(sent[: n - 1], axis, a.bounds)
-            goals.append(equal(every.ahead, rest.ahead + mutation * last.ahead))
-            goals.append(equal(every.back, rest.back + last.back))
+            goals.append(every.ahead == rest.ahead + mutation * last.ahead)
+            goals.append(every.back == rest.back + last.back)
     return Statement(a | t, goals, positive(a.bounds.M_min))
 
 
@@ -139,11 +130,11 @@ def late_piece(mutation: Mutation) -> Statement:
     for force in (first, second):
         for way, counted in ((1, piece.ahead), (-1, piece.back)):
             reached = a.since * ca.fmax(way * force + a.net, 0) / a.mass
-            goals.append(at_least(counted, mutation(1, 1.01) * reached))
+            goals.append(counted >= mutation(1, 1.01) * reached)
     most = time * a.S / b.M_min
-    goals += [at_least(most, piece.ahead), at_least(most, piece.back)]
-    sent = [at_least(a.largest, way * force) for way in (1, -1) for force in (first, second)]
-    during = (between(0, a.since, time), at_least(a.periods))
+    goals += [most >= piece.ahead, most >= piece.back]
+    sent = [a.largest >= way * force for way in (1, -1) for force in (first, second)]
+    during = (between(0, a.since, time), a.periods >= 0)
     return Statement(a, goals, (a.stated, a.during(), sent, during))
 
 
@@ -178,9 +169,9 @@ def late_tail(mutation: Mutation) -> Statement:
             both = ca.fmax(ca.fmax(way * old, way * new) + b.net, 0)
             joined = 0.25 * ca.fmax(way * old + b.net, 0) + 0.125 * both
             wanted = 0.5 * now + mutation * b.period * joined / b.M_min
-            goals.append(equal((later + steady) / b.M_min, wanted))
+            goals.append((later + steady) / b.M_min == wanted)
             unmoved = ca.logic_and(ca.logic_and(old == 0, new == 0), kept == 0)
-            goals += [when(unmoved, equal(later)), when(kept == 0, equal(now, steady / b.M_min))]
+            goals += [when(unmoved, later == 0), when(kept == 0, now == steady / b.M_min)]
     return Statement(table, goals, positive(b.M_min, b.period))
 
 
@@ -188,12 +179,12 @@ def added(a: GuardAxis) -> Relations:
     """Bounds on sums of commands that keep to ``largest``."""
     b, most = a.bounds, a.S / a.bounds.M_min
     if a.lateness < LATE:
-        return (at_least(a.late * most, a.ahead + a.back),)
+        return (a.late * most >= a.ahead + a.back,)
     rest, again = (a.late - a.J) * most, a.again
-    from_rest = at_least(rest, a.rest_ahead), at_least(rest, a.rest_back)
-    mean = at_least((a.usual + a.both_act - 2 * a.J) * most, a.ahead + a.back)
+    from_rest = rest >= a.rest_ahead, rest >= a.rest_back
+    mean = (a.usual + a.both_act - 2 * a.J) * most >= a.ahead + a.back
     last = at_least(a.J * most, again.ahead + again.back), positive(b.M_min)
-    longer = at_least(a.rest_ahead, a.ahead), at_least(a.rest_back, a.back)
+    longer = a.rest_ahead >= a.ahead, a.rest_back >= a.back
     return from_rest, mean, last, longer
 
 
@@ -204,12 +195,12 @@ def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
     return ahead, b.u1 - coming.mirrored.reached(ca.fmax(-a.y + b.nbar, b.f_speed), b)
 
 
-def _spared(a: GuardAxis, ahead: ca.SX, back: ca.SX, more: float = 1) -> Relation:
+def _spared(a: GuardAxis, ahead: ca.SX, back: ca.SX, more: float = 1) -> Relations:
     """Either, or both together, are what braking and the last command need."""
     b = a.bounds
     braking, again = ca.fmax(b.braking + a.net, 0) / b.alpha, a.J * a.S
     one, two = (b.M_min * x - braking for x in (ca.fmax(ahead, back), ahead + back))
-    return at_least(ca.fmax(one - more * again, two - 2 * more * again))
+    return ca.fmax(one - more * again, two - 2 * more * again) >= 0
 
 
 @claim("guard.late.spare", given=f"{COUNTED}; {CAPS}", premises="guard.late.caps guard.late.piece")
@@ -234,7 +225,7 @@ def late_room(mutation: Mutation) -> Statement:
     a = GuardAxis(LATE)
     b, t = a.bounds, symbols("spare_ahead spare_back again_ahead again_back")
     spared = (*spares(a), a.again.ahead, a.again.back)
-    again = at_least(a.J * a.S / b.M_min, t.again_ahead + t.again_back)
+    again = a.J * a.S / b.M_min >= t.again_ahead + t.again_back
     signs = positive(b.M_min, b.alpha, b.period, a.J), a.capped
     sums = nonnegative(t.again_ahead, t.again_back), again
     given = signs, sums, _spared(a, t.spare_ahead, t.spare_back)
@@ -288,4 +279,4 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
     reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
     given = a.sound(), positive(window), between(0, share, 1), between(0, t.V, b.u1)
-    return Statement(a | t, at_least(reached, mutation(1, 1.01) * v), given)
+    return Statement(a | t, reached >= mutation(1, 1.01) * v, given)

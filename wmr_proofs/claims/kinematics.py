@@ -12,7 +12,7 @@ from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Ring
 from wmr_proofs.paper_functions import constraint, velocity_map
 from wmr_proofs.regions import POSITIVE, Case
-from wmr_proofs.relation import equal, every
+from wmr_proofs.relation import every
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
 
@@ -33,7 +33,7 @@ def no_sideways(mutation: Mutation) -> Statement:
     """
     t = symbols("theta v1 v2")
     rate = pose_rate(t.theta, ca.vertcat(t.v1, t.v2))
-    return Statement(t, equal(constraint(t.theta).T @ (rate * ca.vertcat(mutation, 1, 1))))
+    return Statement(t, constraint(t.theta).T @ (rate * ca.vertcat(mutation, 1, 1)) == 0)
 
 
 @claim("eq04.null-space", (4, 5), given="any theta")

@@ -9,7 +9,6 @@ from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Refute, Ring
 from wmr_proofs.paper_functions import target_rate, total_barrier
 from wmr_proofs.regions import at
-from wmr_proofs.relation import above, at_least, equal
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -80,7 +79,7 @@ def sum_rule(mutation: Mutation) -> Statement:
     v_dot, c_dot = m.rates.values()
     parts = (v - c) * (v_dot - c_dot) + m.along(barrier.f(v, u1, u2))
     parts += mutation * m.along(barrier.g(c, u1, u2))
-    return m.states(equal(m.along(m.V), parts))
+    return m.states(m.along(m.V) == parts)
 
 
 @claim("eq22", (22,), given=OFF_EDGES)
@@ -92,7 +91,7 @@ def barrier_rate(mutation: Mutation) -> Statement:
     m = Moving()
     v, _, u1, u2 = m.all
     near = mutation * barrier.sign(v) * m.rates.vdot / (u1 - abs(v))
-    return m.states(equal(m.along(barrier.f(v, u1, u2)), ca.if_else(barrier.h(v, u2), near, 0)))
+    return m.states(m.along(barrier.f(v, u1, u2)) == ca.if_else(barrier.h(v, u2), near, 0))
 
 
 @claim("eq23", (23,), given=OFF_EDGES, by=TARGETS7)
@@ -104,7 +103,7 @@ def minimum_rate(mutation: Mutation) -> Statement:
     m = Moving()
     _, c, u1, u2 = m.all
     written = -(m.x - c) * (x_rate(m) - m.rates.cdot) - mutation * at_target(m)
-    return m.states(equal(m.along(barrier.g(c, u1, u2)), written))
+    return m.states(m.along(barrier.g(c, u1, u2)) == written)
 
 
 @claim("eq24", (24,), given=OFF_EDGES, by=TARGETS7)
@@ -114,7 +113,7 @@ def envelope(mutation: Mutation) -> Statement:
     At the minimiser, a small change of the velocity costs nothing.
     """
     m = Moving()
-    return m.states(equal((m.x - m.all[1]) * x_rate(m) + mutation * at_target(m)))
+    return m.states((m.x - m.all[1]) * x_rate(m) + mutation * at_target(m) == 0)
 
 
 @claim("eq25.printed", (25,), given=OFF_EDGES, by=Refute(R2_POINT))
@@ -135,7 +134,7 @@ def g_rate(mutation: Mutation) -> Statement:
     """
     m = Moving()
     _, c, u1, u2 = m.all
-    return m.states(equal(m.along(barrier.g(c, u1, u2)), mutation * (m.x - c) * m.rates.cdot))
+    return m.states(m.along(barrier.g(c, u1, u2)) == mutation * (m.x - c) * m.rates.cdot)
 
 
 @claim("eq26", (26,), given=OFF_EDGES, by=PAIRS)
@@ -147,7 +146,7 @@ def both_axes(mutation: Mutation) -> Statement:
     """
     m, n, rate = two_axes()
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
-    return Statement(m | n.symbols, equal(rate, terms[0] + mutation * terms[1]))
+    return Statement(m | n.symbols, rate == terms[0] + mutation * terms[1])
 
 
 @claim("eq27", (27,), given=OFF_EDGES, by=PAIRS)
@@ -157,7 +156,7 @@ def split(mutation: Mutation) -> Statement:
     The axes do not interfere.
     """
     m, n, rate = two_axes()
-    return Statement(m | n.symbols, equal(rate, m.along(m.V) + mutation * n.along(n.V)))
+    return Statement(m | n.symbols, rate == m.along(m.V) + mutation * n.along(n.V))
 
 
 @claim("eq28", (28,), given=OFF_EDGES)
@@ -168,7 +167,7 @@ def per_axis(mutation: Mutation) -> Statement:
     """
     m = Moving()
     v_dot, c_dot = m.rates.values()
-    return m.states(equal(m.along(m.V), m.A * v_dot - mutation * m.w * c_dot))
+    return m.states(m.along(m.V) == m.A * v_dot - mutation * m.w * c_dot)
 
 
 @claim("eq09{of}", (9,), given=NOMINAL, by=lambda axis: LAW[axis], over=named_axes(".angular"))
@@ -186,7 +185,7 @@ def command(mutation: Mutation, axis: int) -> Statement:
     mass, friction = (law.own(item)[axis] for item in (law.context.mass, law.context.friction))
     a, value = barrier.a_term(v, c, u1, u2), barrier.lyapunov(v, c, u1, u2)
     bracket = -rho * value + mutation * (v - barrier.minimiser(c, u1, u2)) * free.cdot
-    goal = equal(a * law.force[axis], mass * bracket + a * friction)
+    goal = a * law.force[axis] == mass * bracket + a * friction
     return Statement(t | free, goal, (), law.inner(axis))
 
 
@@ -212,7 +211,7 @@ def literal_decay(mutation: Mutation) -> Statement:
     rho, c_dot = ca.SX.sym("rho"), m.rates.cdot
     command = (-rho * m.V + m.w * c_dot) / m.A
     rate = ca.jtimes(m.V, ca.vertcat(v, c), ca.vertcat(command, c_dot))
-    return Statement(m | {"rho": rho}, equal(rate, -mutation * rho * m.V))
+    return Statement(m | {"rho": rho}, rate == -mutation * rho * m.V)
 
 
 @claim(
@@ -234,7 +233,7 @@ def decay(mutation: Mutation, axis: int) -> Statement:
     v_dot = acceleration(mass, law.force, friction)[axis]
     value = barrier.lyapunov(v, free.c, u1, u2)
     rate = ca.jtimes(value, ca.vertcat(v, free.c), ca.vertcat(v_dot, free.cdot))
-    return Statement(t | free, equal(rate, -mutation * rho * value), (), law.inner(axis))
+    return Statement(t | free, rate == -mutation * rho * value, (), law.inner(axis))
 
 
 @claim(
@@ -258,6 +257,6 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     command = (-t.rho * m.V + mutation * m.w * t.cdot) / m.A
     later = barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2)
     change = (later - m.V) / t.h
-    given = m.inside, equal(v, u2), above(t.h), at_least(1, 1000000 * t.h), above(t.rho)
+    given = m.inside, v == u2, t.h > 0, 1000000 * t.h <= 1, t.rho > 0
     del t["vdot"]
-    return Statement(t, at_least(1, abs(change + t.rho * m.V)), given)
+    return Statement(t, abs(change + t.rho * m.V) <= 1, given)

@@ -7,7 +7,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
-from wmr_proofs.relation import above, at_least, equal, every
+from wmr_proofs.relation import equal, every
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import column, stacked, symbols
 
@@ -57,7 +57,7 @@ def law(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     written = -n.gain("rho1") * n.free.quotient + mutation * n.free.q * ca.dot(n.weights, n.basis)
-    return n.statement(equal(n.law.force[0], written))
+    return n.statement(n.law.force[0] == written)
 
 
 @claim("eq58{of}", (58,), given="any weights and basis", over=named_axes(".angular"))
@@ -69,7 +69,7 @@ def adaptation(mutation: Mutation, axis: int) -> Statement:
     """
     n = network_axis(axis)
     rate = -n.gain("Gamma") * (n.basis * n.free.w + mutation * n.gain("sigma") * n.weights)
-    return n.statement(*(equal(n.weight_rate[j], rate[j]) for j in range(NODES)))
+    return n.statement(*(n.weight_rate[j] == rate[j] for j in range(NODES)))
 
 
 @claim(
@@ -106,8 +106,8 @@ def target_bounded(_: Mutation) -> Statement:
     middle region.
     """
     a, v, c, u1, _u2 = barrier_axis()
-    given = a.inside, at_least(0.95 * u1, abs(v)), at_least(3, abs(c))
-    return a.states(at_least(1e6, abs(a.A / a.w)), given=given)
+    given = a.inside, 0.95 * u1 >= abs(v), abs(c) <= 3
+    return a.states(abs(a.A / a.w) <= 1e6, given=given)
 
 
 @claim(
@@ -134,7 +134,7 @@ def differentiated(mutation: Mutation) -> Statement:
     How velocity error and learning error change together.
     """
     n = network_axis(0)
-    return n.statement(equal(n.rate, n.barrier_rate + mutation * weights_part(n, n.weight_rate)))
+    return n.statement(n.rate == n.barrier_rate + mutation * weights_part(n, n.weight_rate))
 
 
 @claim("eq67-68", (67, 68), given=ALL_NODES, by=TWO)
@@ -146,7 +146,7 @@ def substituted(mutation: Mutation) -> Statement:
     n = network_axis(0)
     f = n.free
     pushed = f.A / f.mass * (n.law.force[0] - f.friction) - mutation * f.w * f.cdot
-    return n.statement(equal(n.rate, pushed + weights_part(n, n.weight_rate)))
+    return n.statement(n.rate == pushed + weights_part(n, n.weight_rate))
 
 
 @claim("eq69", (69,), given=ALL_NODES, by=TWO)
@@ -160,7 +160,7 @@ def with_law(mutation: Mutation) -> Statement:
     learnt = f.w / f.mass * ca.dot(n.best + n.error, n.basis)
     lost = f.A / f.mass * f.friction + mutation * f.w * f.cdot
     fed = -n.gain("rho1") / f.mass * f.V
-    return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + learnt - lost))
+    return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + learnt - lost)
 
 
 @claim("eq70", (70,), given=OFF_TARGET, by=OFF)
@@ -173,7 +173,7 @@ def with_target(mutation: Mutation) -> Statement:
     f = n.free
     rest = f.w / f.mass * (ca.dot(n.error, n.basis) + mutation * n.residual)
     fed = -n.gain("rho1") / f.mass * f.V
-    return n.statement(equal(n.rate, fed + weights_part(n, n.weight_rate) + rest))
+    return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + rest)
 
 
 @claim("eq71", (71,), given=OFF_TARGET, by=OFF)
@@ -186,7 +186,7 @@ def with_adaptation(mutation: Mutation) -> Statement:
     f, mass = n.free, n.free.mass
     leak = n.gain("sigma") / mass * ca.dot(n.error, n.weights)
     written = -n.gain("rho1") / mass * f.V - mutation * leak + f.w / mass * n.residual
-    return n.statement(equal(n.rate, written))
+    return n.statement(n.rate == written)
 
 
 @claim(
@@ -214,7 +214,7 @@ def eq72(mutation: Mutation, combined: bool) -> Statement:
     if combined:
         leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
     bound = base + mutation(1, 9) * leak - (mutation < 0) * n.residual**2
-    return n.statement(at_least(bound, n.rate))
+    return n.statement(bound >= n.rate)
 
 
 @claim(
@@ -233,7 +233,7 @@ def printed_step(mutation: Mutation) -> Statement:
     f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
     bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f.V + 0.5 / mass * n.residual**2
     leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
-    return n.statement(at_least(bound + leak, n.rate))
+    return n.statement(bound + leak >= n.rate)
 
 
 @claim(
@@ -256,7 +256,7 @@ def decay(mutation: Mutation) -> Statement:
     total = analysis.network_lyapunov(f.V, f.mass, n.gain("Gamma"), n.error)
     names = n.symbols | symbols("rho2")
     least = mutation(names.rho2, 1e6 * names.rho2)
-    return Statement(names, at_least(-least * total + leftover, n.rate), (), n.inner)
+    return Statement(names, -least * total + leftover >= n.rate, (), n.inner)
 
 
 @claim("eq86", (86,), given="all gains and masses positive, rho1 > 1", by=Z3())
@@ -269,10 +269,10 @@ def rate_is_least(mutation: Mutation) -> Statement:
     t = column("rho", 2) | column("M", 2) | column("sigma", 2) | column("gamma", 2)
     rho, mass, sigma, gamma = (stacked(t, name, 2) for name in ("rho", "M", "sigma", "gamma"))
     least = mutation(1, 2) * analysis.decay_rate(rho, mass, sigma, gamma)
-    given = tuple(above(t[f"{n}{i}"]) for n in ("M", "sigma", "gamma") for i in (1, 2))
-    ones = tuple(above(t[f"rho{i}"], 1) for i in (1, 2))
-    goals = [at_least((rho[i] - 1) / mass[i], least) for i in (0, 1)]
-    goals += [at_least(sigma[i] * gamma[i], least) for i in (0, 1)]
+    given = tuple(t[f"{n}{i}"] > 0 for n in ("M", "sigma", "gamma") for i in (1, 2))
+    ones = tuple(t[f"rho{i}"] > 1 for i in (1, 2))
+    goals = [(rho[i] - 1) / mass[i] >= least for i in (0, 1)]
+    goals += [sigma[i] * gamma[i] >= least for i in (0, 1)]
     return Statement(t, goals, given + ones)
 
 
@@ -292,5 +292,5 @@ def end_bound(mutation: Mutation) -> Statement:
     """
     t = symbols("z1 z2 V C1 C2 rho2")
     square = t.z1**2 + t.z2**2
-    given = above(t.rho2), at_least(2 * (t.C1 + t.C2), t.V * t.rho2), at_least(2 * t.V, square)
-    return Statement(t, at_least(4 * (t.C1 + t.C2) * mutation(1, 0.5), square * t.rho2), given)
+    given = t.rho2 > 0, t.V * t.rho2 <= 2 * (t.C1 + t.C2), square <= 2 * t.V
+    return Statement(t, 4 * (t.C1 + t.C2) * mutation(1, 0.5) >= square * t.rho2, given)

@@ -16,9 +16,6 @@ from wmr_proofs.relation import (
     AT_LEAST,
     Relation,
     Relations,
-    above,
-    at_least,
-    equal,
     nonnegative,
     when,
 )
@@ -31,11 +28,11 @@ ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
 
 
 def _limits(t: Symbols) -> Relations:
-    return above(t.u2), above(t.u1, t.u2)
+    return t.u2 > 0, t.u1 > t.u2
 
 
 def _target(t: Symbols) -> Relations:
-    return _limits(t), above(t.k), above(1e100, t.c), above(t.c, -1e100)
+    return _limits(t), t.k > 0, t.c < 1e100, t.c > -1e100
 
 
 def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
@@ -61,8 +58,8 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
     jump = ca.SX(0) if smooth else t.k / (t.u1 - t.u2)
     at_kink = ca.fmin(jump - rest, 0)
     miss = ca.if_else(size > t.u2, beyond, ca.if_else(size < t.u2, rest, at_kink))
-    inside = above(t.u1, size)
-    return Statement(t, (equal(miss), nonnegative(rest, s * x), inside), _target(t))
+    inside = t.u1 > size
+    return Statement(t, (miss == 0, nonnegative(rest, s * x), inside), _target(t))
 
 
 @map_claim(
@@ -81,9 +78,9 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
         steep = ca.if_else(size > t.u2, _slope(size, t, smooth), ca.if_else(size < t.u2, 0, jump))
         slopes.append(s * steep)
     rises = mutation * (slopes[0] - slopes[1]) * (t.x1 - t.x2)
-    sizes = [above(t.u1, way * t[x]) for way in (1, -1) for x in ("x1", "x2")]
-    kinks = [part for k in (t.k1, t.k2) for part in (at_least(k), at_least(1, k * (t.u1 - t.u2)))]
-    return Statement(t, at_least(rises), (_limits(t), sizes, kinks))
+    sizes = [t.u1 > way * t[x] for way in (1, -1) for x in ("x1", "x2")]
+    kinks = [part for k in (t.k1, t.k2) for part in (k >= 0, k * (t.u1 - t.u2) <= 1)]
+    return Statement(t, rises >= 0, (_limits(t), sizes, kinks))
 
 
 @map_claim(
@@ -99,8 +96,8 @@ def not_expansive(mutation: Mutation) -> Statement:
     t = symbols("x1 x2 a1 a2 k")
     dx, da = t.x1 - t.x2, t.a1 - t.a2
     dc = dx + t.k * da
-    goal = at_least(dc * dc, mutation(1, 1.01) * dx * dx)
-    return Statement(t, goal, (above(t.k), at_least(dx * da)))
+    goal = dc * dc >= mutation(1, 1.01) * dx * dx
+    return Statement(t, goal, (t.k > 0, dx * da >= 0))
 
 
 @map_claim("prox.root", given="k > 0, any t")
@@ -111,7 +108,7 @@ def prox_root(mutation: Mutation) -> Statement:
     """
     t = symbols("t k")
     d = root(t.t, t.k)
-    return Statement(t, (above(d), equal(d * (d + mutation * t.t), t.k)), above(t.k))
+    return Statement(t, (d > 0, d * (d + mutation * t.t) == t.k), t.k > 0)
 
 
 @map_claim(
@@ -131,10 +128,10 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     x = resolvent(c, k, u1, u2, smooth)
     bent = k / (u1 - u2) if smooth else 0
     beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
-    margin = at_least(mutation(k, 1.5 * k), m * (m + most - u1 + bent))
-    sizes = at_least(most, abs(c)), at_least(most, u1), above(d), equal(d * (d + beyond), k)
-    given = _target(t), above(m), at_least(u1 - u2, m), margin, sizes
-    return Statement(t, (at_least(u1 - m, x), at_least(x, m - u1)), given, {"d": root(beyond, k)})
+    margin = mutation(k, 1.5 * k) >= m * (m + most - u1 + bent)
+    sizes = most >= abs(c), most >= u1, d > 0, d * (d + beyond) == k
+    given = _target(t), m > 0, u1 - u2 >= m, margin, sizes
+    return Statement(t, (u1 - m >= x, x >= m - u1), given, {"d": root(beyond, k)})
 
 
 NONE = Symbols()
@@ -167,7 +164,7 @@ class Step:
         inner = {name: resolvent(*of, *self.limits, self.smooth) for name, of in maps.items()}
         inner["carried"] = self.start
         cuts = {name: inner[name] for name in names}
-        plain = above(t.u2), above(t.u1, t.u2), above(t.E), above(1, t.E)
+        plain = t.u2 > 0, t.u1 > t.u2, t.E > 0, t.E < 1
         return Statement(t | self.free | more, goals, (plain, given), cuts)
 
 
@@ -183,7 +180,7 @@ def inside(mutation: Mutation, smooth: bool) -> Statement:
     """
     s = Step(smooth)
     limit = mutation(s.inputs.u1, s.inputs.u2)
-    return s.states((above(limit, s.end), above(s.end, -limit)), (), ("carried",))
+    return s.states((limit > s.end, s.end > -limit), (), ("carried",))
 
 
 @claim(
@@ -203,12 +200,12 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
     E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
     pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
-    way, monotone = abs(target - followed), at_least((s.free.end - x_target) * (pull - rest))
-    nearer = at_least(abs(t.w), abs(carried - x_followed))
-    given = monotone, nearer, at_least(way, abs(x_target - x_followed))
+    way, monotone = abs(target - followed), (s.free.end - x_target) * (pull - rest) >= 0
+    nearer = abs(t.w) >= abs(carried - x_followed)
+    given = monotone, nearer, way >= abs(x_target - x_followed)
     most = E * (abs(t.w) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
-    return s.states((at_least(most, abs(s.end - x_target)),), given, names, t)
+    return s.states((most >= abs(s.end - x_target),), given, names, t)
 
 
 @claim(
@@ -229,11 +226,11 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     end, carried = s.free.end, s.free.carried
     back = s.free.x_target - end
     # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
-    optimal = equal((1 - E) * (t.A - end + target), s.argument - end)
-    above_start = at_least(t.mid, t.after + t.A * (carried - end) + 0.5 * (carried - end) ** 2)
-    above_target = at_least(0, t.after + t.A * back + 0.5 * back**2)
-    given = optimal, above_start, above_target, at_least(t.after)
-    goals = at_least(mutation(E**2, (0.9 * E) ** 2) * t.mid, t.after), equal(s.end, end)
+    optimal = (1 - E) * (t.A - end + target) == s.argument - end
+    above_start = t.mid >= t.after + t.A * (carried - end) + 0.5 * (carried - end) ** 2
+    above_target = t.after + t.A * back + 0.5 * back**2 <= 0
+    given = optimal, above_start, above_target, t.after >= 0
+    goals = mutation(E**2, (0.9 * E) ** 2) * t.mid >= t.after, s.end == end
     return s.states(goals, given, ("carried", "end", "x_target"), t)
 
 
@@ -251,8 +248,8 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
     s = Step(smooth)
     E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
     plain = E * s.free.carried + (1 - E) * target
-    given = at_least(u2, plain), at_least(u2, -plain), above(1e100, u2)
-    return s.states((equal(s.end, mutation * plain),), given, ("carried",))
+    given = u2 >= plain, u2 >= -plain, u2 < 1e100
+    return s.states((s.end == mutation * plain,), given, ("carried",))
 
 
 @claim(
@@ -273,9 +270,9 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     u1, C = s.limits[0], t.C
     most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
     reached = abs(s.argument) <= most
-    short = when(reached, at_least(u1 - t.m, abs(s.free.end)))
-    given = at_least(u1, abs(s.free.carried)), at_least(C, abs(s.inputs.target)), short
-    return s.states((at_least(u1 - t.m, abs(s.end)),), given, ("carried", "end"), t)
+    short = when(reached, u1 - t.m >= abs(s.free.end))
+    given = u1 >= abs(s.free.carried), abs(s.inputs.target) <= C, short
+    return s.states((u1 - t.m >= abs(s.end),), given, ("carried", "end"), t)
 
 
 @claim(
@@ -296,10 +293,10 @@ def rises(mutation: Mutation) -> Statement:
     t = symbols("before carried mid after S S_next way E S_mid S_carried")
     S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
     values = t.before, t.after, t.mid, t.carried
-    squares = [equal(root**2, 2 * value) for root, value in zip(roots, values, strict=True)]
-    signs = nonnegative(*roots), above(E), above(1, E), at_least(t.way)
-    moved = at_least(t.before, t.carried), at_least(t.S_carried + t.way, t.S_mid)
-    given = squares, signs, moved, at_least(E**2 * t.mid, t.after)
+    squares = [root**2 == 2 * value for root, value in zip(roots, values, strict=True)]
+    signs = nonnegative(*roots), E > 0, E < 1, t.way >= 0
+    moved = t.before >= t.carried, t.S_carried + t.way >= t.S_mid
+    given = squares, signs, moved, E**2 * t.mid >= t.after
     most = E * (S + mutation(1, 0.9) * t.way)
     level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
-    return Statement(t, (at_least(most, t.S_next), level), given)
+    return Statement(t, (most >= t.S_next, level), given)

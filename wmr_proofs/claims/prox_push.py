@@ -11,18 +11,7 @@ from wmr_ctrl.control.laws.prox import next_velocity, prox_step
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
-    Cuts,
-    Relation,
-    Relations,
-    above,
-    at_least,
-    equal,
-    every,
-    positive,
-    when,
-    within,
-)
+from wmr_proofs.relation import Cuts, Relations, equal, every, positive, when, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, symbols
 
@@ -83,12 +72,12 @@ class Sampled(Named):
         """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
         t, fall = self.law.symbols, self.free.fall
         sizes = positive(t.started, t["robot.r"], t["robot.l"])
-        return self.numbers, sizes, above(fall, -1), above(0, fall)
+        return self.numbers, sizes, fall > -1, fall < 0
 
-    def gained(self, d: ca.SX) -> Relation:
+    def gained(self, d: ca.SX) -> Relations:
         """M (v - v_old) = T (F - F1 + d) since the previous sample."""
         pushed = self.applied - self.observer_cuts["drag"] + d
-        return equal(self.mass * (self.v - self.old), self.period * pushed)
+        return self.mass * (self.v - self.old) == self.period * pushed
 
 
 claim = Claims(by=Z3())
@@ -131,7 +120,7 @@ def force(mutation: Mutation, axis: int) -> Statement:
     what the observer adds.
     """
     s = Sampled(axis)
-    goal = equal(s.moved(-mutation * s.free.f), s.free.next)
+    goal = s.moved(-mutation * s.free.f) == s.free.next
     return s.states(goal, given=s.numbers, cuts=s.force_cuts)
 
 
@@ -150,11 +139,11 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     """
     s = Sampled(axis)
     t = symbols("d w way x_next x_real eps E")
-    nearest = at_least(t.E * (t.w + t.way), abs(s.free.next - t.x_next))
-    moved = at_least(abs(t.eps), abs(t.x_real - t.x_next))
+    nearest = t.E * (t.w + t.way) >= abs(s.free.next - t.x_next)
+    moved = abs(t.eps) >= abs(t.x_real - t.x_next)
     push = s.period * abs(t.d + s.free.f) / s.mass
     most = t.E * (t.w + t.way) + mutation(push, 0.9 * push) + abs(t.eps)
-    goal = at_least(most, abs(s.moved(t.d) - t.x_real))
+    goal = most >= abs(s.moved(t.d) - t.x_real)
     return s.states(goal, given=(s.numbers, nearest, moved), cuts=s.force_cuts, more=t)
 
 
@@ -172,15 +161,15 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d m")
     u1 = s.law[f"limits.v_u1[{axis + 1}]"]
-    room = at_least(u1 - t.m, abs(s.free.next))
-    push = at_least(t.m, abs(s.period * (s.free.f + t.d) / s.mass))
-    goal = at_least(mutation(1, 0.9) * u1, abs(s.moved(t.d)))
+    room = u1 - t.m >= abs(s.free.next)
+    push = t.m >= abs(s.period * (s.free.f + t.d) / s.mass)
+    goal = mutation(1, 0.9) * u1 >= abs(s.moved(t.d))
     return s.states(goal, given=(s.numbers, room, push), cuts=s.force_cuts, more=t)
 
 
-def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relation:
+def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relations:
     """Goal: the excess of a size over ``to`` shrinks to at most a share of itself."""
-    return at_least(share * ca.fmax(before - to, 0), ca.fmax(after - to, 0))
+    return share * ca.fmax(before - to, 0) >= ca.fmax(after - to, 0)
 
 
 @claim(
@@ -197,10 +186,10 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d w way x_next x_real eps E p W")
     whole = s.period * t.p / s.mass + t.eps + t.E * t.way
-    nearest = at_least(t.E * (t.w + t.way), abs(s.free.next - t.x_next))
+    nearest = t.E * (t.w + t.way) >= abs(s.free.next - t.x_next)
     off = within(t.x_real - t.x_next, t.eps), within(s.free.f + t.d, t.p)
     sums_up = equal(t.W * (1 - t.E), mutation(1, 0.9) * whole)
-    given = s.numbers, above(t.E), above(1, t.E), at_least(t.w), nearest, off, sums_up
+    given = s.numbers, t.E > 0, t.E < 1, t.w >= 0, nearest, off, sums_up
     goal = falls(abs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
@@ -247,7 +236,7 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d d_old")
     left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
-    goal = equal(s.law.system.update[axis] + t.d, left)
+    goal = s.law.system.update[axis] + t.d == left
     given = s.observed, s.gained(t.d_old)
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
@@ -266,7 +255,7 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     tight = mutation(1, 0.9)
     sizes = ca.logic_and(abs(t.d_old) <= t.most, abs(s.f_old) <= t.most)
     slow = ca.logic_and(abs(t.d - t.d_old) <= t.change, share * abs(old) <= t.change)
-    small = when(sizes, at_least(tight * t.most, abs(f)))
-    goals = small, when(slow, at_least(tight * t.change, share * abs(new)))
+    small = when(sizes, tight * t.most >= abs(f))
+    goals = small, when(slow, tight * t.change >= share * abs(new))
     given = s.observed, s.gained(t.d_old)
     return s.states(goals, given=given, cuts=s.observer_cuts, more=t)

@@ -9,7 +9,7 @@ import casadi as ca
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Both, Ring
 from wmr_proofs.regions import FREE, POSITIVE, Case
-from wmr_proofs.relation import above, at_least, equal, positive
+from wmr_proofs.relation import positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -43,8 +43,8 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("mu a x")
     w, q = s.v - t.x, s.period * s.free.f / s.mass
     moves = s.period * t.mu * (s.force - s.force_cuts["friction"]) / s.mass
-    goal = equal(w + moves, (1 - t.mu * t.a) * w + mutation * t.mu * q)
-    given = positive(s.period, s.mass), equal(s.free.next, s.v - t.a * w)
+    goal = w + moves == (1 - t.mu * t.a) * w + mutation * t.mu * q
+    given = positive(s.period, s.mass), s.free.next == s.v - t.a * w
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
@@ -84,10 +84,10 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("mu a w")
     share, q = -s.free.fall, s.period * s.f_old / s.mass
     asked = s.mass * (-t.a * t.w) / s.period + s.f_old
-    moved = equal(s.mass * (s.v - s.old), t.mu * s.period * asked)
-    given = equal(s.applied - s.observer_cuts["drag"], asked), moved
+    moved = s.mass * (s.v - s.old) == t.mu * s.period * asked
+    given = s.applied - s.observer_cuts["drag"] == asked, moved
     left = (1 - share * t.mu) * q - mutation * share * t.a * (1 - t.mu) * t.w
-    goal = equal(s.period * s.law.system.update[axis] / s.mass, left)
+    goal = s.period * s.law.system.update[axis] / s.mass == left
     return s.states(goal, given=(s.observed, given), cuts=s.observer_cuts, more=t)
 
 
@@ -106,7 +106,7 @@ def jury(mutation: Mutation) -> Statement:
     loop = _matrix(t.mu, t.a, t.L)
     trace, det = loop[0, 0] + loop[1, 1], loop[0, 0] * loop[1, 1] - loop[0, 1] * loop[1, 0]
     edge = 4 - t.mu * (2 * (t.a + t.L) - mutation * t.a * t.L)
-    return Statement(t, (equal(1 + trace + det, edge), equal(1 - trace + det, t.mu * t.a * t.L)))
+    return Statement(t, (1 + trace + det == edge, 1 - trace + det == t.mu * t.a * t.L))
 
 
 @claim("prox.light-model", given="0 < a, L < 1", premises="prox.jury")
@@ -118,12 +118,12 @@ def light_model(mutation: Mutation) -> Statement:
     `check` has its limits.
     """
     t = symbols("mu a L")
-    given = [part for name in ("a", "L") for part in (above(t[name]), above(1, t[name]))]
+    given = [part for name in ("a", "L") for part in (t[name] > 0, t[name] < 1)]
     share = mutation(4 / ca.SX(3), ca.SX(1.5))
     edge = 4 - t.mu * (2 * (t.a + t.L) - t.a * t.L)
     det = 1 - t.mu * (t.a + t.L) + t.mu * t.a * t.L
-    light = above(t.mu), at_least(share, t.mu)
-    return Statement(t, (above(edge), above(1, det)), (given, light))
+    light = t.mu > 0, share >= t.mu
+    return Statement(t, (edge > 0, det < 1), (given, light))
 
 
 @claim(
@@ -153,9 +153,9 @@ def wrong_mass(mutation: Mutation, numbers: Mapping[str, str], corners: bool = T
     form = t.w**2 + 2 * p * t.w * t.q + s * t.q**2
     left = t.g**2 * form
     shares = {name: Fraction(value) for name, value in numbers.items()}
-    exact = [equal(x.denominator * t[name], x.numerator) for name, x in shares.items()]
+    exact = [x.denominator * t[name] == x.numerator for name, x in shares.items()]
     sides = (8 * t.mu - 5) * (3 * t.mu - 5), (t.a - t.least) * (t.a - 1)
-    within = [equal(side) if corners else at_least(-side) for side in sides]
-    goal = at_least(mutation(1, 0.9) * left, w**2 + 2 * p * w * q + s * q**2)
-    positive = () if corners else (at_least(form, 0.5 * (t.w**2 + t.q**2)),)
+    within = [side == 0 if corners else -side >= 0 for side in sides]
+    goal = mutation(1, 0.9) * left >= w**2 + 2 * p * w * q + s * q**2
+    positive = () if corners else (form >= 0.5 * (t.w**2 + t.q**2),)
     return Statement(t, (goal, positive), (exact, within))

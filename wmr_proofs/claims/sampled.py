@@ -21,7 +21,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
-from wmr_proofs.relation import Cuts, Relations, above, at_least, between, equal, positive, within
+from wmr_proofs.relation import Cuts, Relations, between, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -194,8 +194,8 @@ class NewtonStep:
     def states(self, goals: Relations, given: Relations) -> Statement:
         """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
         fall, period = self.free.fall, self.law["clock.control"]
-        held = positive(period, self.mass[self.axis]), above(fall, -1), above(-fall)
-        known = held, equal(self.free.cdot), given
+        held = positive(period, self.mass[self.axis]), fall > -1, -fall > 0
+        known = held, self.free.cdot == 0, given
         return Statement(self.law | self.free, goals, known, self.cuts)
 
 
@@ -226,9 +226,9 @@ def above_tangent(mutation: Mutation) -> Statement:
     slope = barrier.a_term(v, c, u1, u2) + at_corner
     bend = mutation(0.5, 0.6) * (y - v) ** 2
     line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend
-    given = at_least(jump), at_least(1, jump * (u1 - u2))
+    given = jump >= 0, jump * (u1 - u2) <= 1
     least = {"least": -barrier.g(c, u1, u2)}
-    return Statement(t, at_least(barrier.lyapunov(y, c, u1, u2), line), given, least)
+    return Statement(t, barrier.lyapunov(y, c, u1, u2) >= line, given, least)
 
 
 @newton_claim("prox.newton-side", by=Z3(), premises="P5", each=BOTH_AXES)
@@ -262,10 +262,10 @@ def falls(mutation: Mutation, axis: int) -> Statement:
     s = NewtonStep(axis)
     _, _, _, fall, w, before, after, slope, slope_after = s.free.values()
     given = (
-        equal(slope * s.free.quotient, before), at_least(slope * w, before + 0.5 * w**2),
-        at_least(before, 0.5 * w**2), at_least(after, before + slope * s.moved),
-        at_least(before, after - slope_after * s.moved),
-        at_least(0, after - slope_after * (w + s.moved)), above(w**2),
+        slope * s.free.quotient == before, slope * w >= before + 0.5 * w**2,
+        before >= 0.5 * w**2, after >= before + slope * s.moved,
+        before >= after - slope_after * s.moved,
+        after - slope_after * (w + s.moved) <= 0, w**2 > 0,
     )  # fmt: skip
     level = mutation((1 + fall) * before, before)
-    return s.states((above(before, after), at_least(after, level)), given)
+    return s.states((before > after, after >= level), given)

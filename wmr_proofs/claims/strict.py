@@ -10,7 +10,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
-from wmr_proofs.relation import Relations, above, at_least, equal, positive
+from wmr_proofs.relation import Relations, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -36,9 +36,9 @@ class Strict(Tracking):
     @property
     def near(self) -> Relations:
         """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
-        inside = at_least(1, self.e1**2), at_least(1, self.e2**2)
-        nearly = at_least(4 * ca.cos(self.e3), 1)
-        return [equal(a * self[name], b) for name, a, b in PAPER], inside, nearly
+        inside = self.e1**2 <= 1, self.e2**2 <= 1
+        nearly = 4 * ca.cos(self.e3) >= 1
+        return [a * self[name] == b for name, a, b in PAPER], inside, nearly
 
 
 def _undisturbed(t: Tracking) -> ca.SX:
@@ -78,7 +78,7 @@ def falls(mutation: Mutation) -> Statement:
     Unlike V2, this function falls in every direction, so disturbances can be weighed against it.
     """
     t = Strict()
-    return t.states(at_least(-mutation(1000, 10) * t.W_rate, t.size), given=t.near)
+    return t.states(-mutation(1000, 10) * t.W_rate >= t.size, given=t.near)
 
 
 @claim("strict.bounds", (31,), given=NEAR)
@@ -88,7 +88,7 @@ def between(mutation: Mutation) -> Statement:
     W measures the distance from the path.
     """
     t = Strict()
-    return t.states(at_least(mutation(20, 2) * t.W, t.size), at_least(t.size, t.W), given=t.near)
+    return t.states(mutation(20, 2) * t.W >= t.size, t.size >= t.W, given=t.near)
 
 
 @claim("strict.rate", (31,), given=NEAR, by=Z3(points=RATES), premises="strict.falls strict.bounds")
@@ -100,8 +100,8 @@ def exponential(mutation: Mutation) -> Statement:
     """
     # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
     t = Strict()
-    given = at_least(-mutation(1000, 2000) * t.W_rate, t.size), at_least(t.size, t.W)
-    goal = at_least(-t.W, 1000 * t.W_rate)
+    given = -mutation(1000, 2000) * t.W_rate >= t.size, t.size >= t.W
+    goal = 1000 * t.W_rate <= -t.W
     return Statement(t, goal, given, {"value": t.W, "rate": t.W_rate})
 
 
@@ -112,8 +112,8 @@ def stays(mutation: Mutation) -> Statement:
     Inside this set the rate holds.
     """
     t = Strict()
-    given = equal(t.k2, 5), equal(50 * t.eps, 1), above(mutation, 20 * mutation * t.W)
-    goals = above(1, t.e1**2), above(1, t.e2**2), above(4 * ca.cos(t.e3), 1)
+    given = t.k2 == 5, 50 * t.eps == 1, mutation > 20 * mutation * t.W
+    goals = t.e1**2 < 1, t.e2**2 < 1, 4 * ca.cos(t.e3) > 1
     return t.states(goals, given=given)
 
 
@@ -126,8 +126,8 @@ def pull(mutation: Mutation) -> Statement:
     a, _, _, u1, u2 = barrier_axis()
     t = a | symbols("p y")
     moved = barrier.minimiser(t.p + t.y, u1, u2) - mutation * t.p
-    given = a.inside, at_least(u2, t.p), at_least(t.p, -u2)
-    return Statement(t, at_least(moved * t.y), given)
+    given = a.inside, u2 >= t.p, t.p >= -u2
+    return Statement(t, moved * t.y >= 0, given)
 
 
 @claim("level.rate", (31, 36), given="k2 > 0", by=Ring((Case("any", declared={"k2": POSITIVE}),)))
@@ -138,7 +138,7 @@ def saturated_rate(mutation: Mutation) -> Statement:
     t = Tracking("x1 x2")
     e, k2, x, p = t.e, t.k[1], ca.vertcat(t.x1, t.x2), _undisturbed(t)
     written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * ca.sin(e[2]) / k2
-    return t.states(equal(analysis.position_rate(e, x, t.v_d, k2), written))
+    return t.states(analysis.position_rate(e, x, t.v_d, k2) == written)
 
 
 @claim("level.argument", (7,), given="any", by=Ring())
@@ -148,7 +148,7 @@ def argument(mutation: Mutation) -> Statement:
     t = Tracking()
     target, p = auxiliary_velocity(t.e, t.v_d, t.k), _undisturbed(t)
     turn = p[1] + mutation * t.k[2] * ca.sin(t.e[2])
-    return t.states(equal(target[0], p[0] + t.k[0] * t.e[0]), equal(target[1], turn))
+    return t.states(target[0] == p[0] + t.k[0] * t.e[0], target[1] == turn)
 
 
 @claim(
@@ -164,11 +164,11 @@ def level_set(mutation: Mutation) -> Statement:
     t = Tracking("u21 u22 level")
     e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t.level, _undisturbed(t)
     room = t.u22 - abs(v_d[1])
-    low = at_least(2, k2 * level), at_least(room**2, 2 * mutation * (k2 * v_d[0]) ** 2 * level)
-    sizes = positive(k2, v_d[0]), at_least(t.u21, v_d[0]), above(room)
-    given = sizes, low, above(level, analysis.position_lyapunov(e, k2))
-    kept = (at_least(t[f"u2{i + 1}"], abs(p[i])) for i in (0, 1))
-    return t.states(*kept, above(ca.cos(e[2]), -1), given=given)
+    low = k2 * level <= 2, room**2 >= 2 * mutation * (k2 * v_d[0]) ** 2 * level
+    sizes = positive(k2, v_d[0]), t.u21 >= v_d[0], room > 0
+    given = sizes, low, level > analysis.position_lyapunov(e, k2)
+    kept = (t[f"u2{i + 1}"] >= abs(p[i]) for i in (0, 1))
+    return t.states(*kept, ca.cos(e[2]) > -1, given=given)
 
 
 @claim(
@@ -191,11 +191,11 @@ def level_invariant(mutation: Mutation) -> Statement:
     t = Tracking("x1 x2")
     e, k, x, p = t.e, t.k, ca.vertcat(t.x1, t.x2), _undisturbed(t)
     pulls = e[0], ca.sin(e[2])
-    pulled = [at_least((x[i] - p[i]) * k[2 * i] * pulls[i]) for i in (0, 1)]
+    pulled = [(x[i] - p[i]) * k[2 * i] * pulls[i] >= 0 for i in (0, 1)]
     given = positive(*ca.vertsplit(k)), pulled
     behind = ca.if_else(ca.cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
     rate = analysis.position_rate(e, x, t.v_d, k[1])
-    return t.states(at_least(0, mutation * rate), at_least(behind), given=given)
+    return t.states(mutation * rate <= 0, behind >= 0, given=given)
 
 
 @claim(
@@ -210,7 +210,7 @@ def paper_level(mutation: Mutation) -> Statement:
     The paper's run starts inside.
     """
     t = Tracking()
-    return t.states(above(mutation(0.33, 0.3), analysis.position_lyapunov(t.e, t.k[1])))
+    return t.states(mutation(0.33, 0.3) > analysis.position_lyapunov(t.e, t.k[1]))
 
 
 @claim("level.everywhere", (31,), given="every e", by=Refute(SIDEWAYS))
@@ -220,7 +220,7 @@ def saturated_growth(_: Mutation) -> Statement:
     Outside the set a saturated robot may first move away: 3 m to the side V2 grows.
     """
     t = Tracking("u11 u12 u21 u22")
-    return t.states(at_least(0, analysis.position_rate(t.e, _limited(t), t.v_d, t.k[1])))
+    return t.states(analysis.position_rate(t.e, _limited(t), t.v_d, t.k[1]) <= 0)
 
 
 @claim("E7", (7,), form=PRINTED, given="0 < v1d < v_u11, cos e3 > 0", by=Refute(FAST))
@@ -232,5 +232,5 @@ def stuck(_: Mutation) -> Statement:
     not state).
     """
     t = Tracking("u11 u12 u21 u22")
-    given = positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), above(t.u11, t.v_d[0])
-    return t.states(above(ca.sumsqr(error_rate(t.e, _limited(t), t.v_d))), given=given)
+    given = positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), t.u11 > t.v_d[0]
+    return t.states(ca.sumsqr(error_rate(t.e, _limited(t), t.v_d)) > 0, given=given)

@@ -6,7 +6,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.regions import all_cases, target_cases
-from wmr_proofs.relation import above, at_least, between, equal, positive
+from wmr_proofs.relation import between, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import symbols
 
@@ -33,7 +33,7 @@ def bregman(mutation: Mutation) -> Statement:
     """
     a, v, c, u1, u2 = barrier_axis()
     distance = barrier.f(v, u1, u2) - barrier.f(a.x, u1, u2) - mutation * (c - a.x) * a.w
-    return a.states(equal(a.V - 0.5 * a.w**2, distance), at_least(distance))
+    return a.states(a.V - 0.5 * a.w**2 == distance, distance >= 0)
 
 
 @claim("P1.prox", (16, 18), given=ALL_LIMITS, premises="lemma.log")
@@ -46,7 +46,7 @@ def subgradient(mutation: Mutation) -> Statement:
     # f(y) >= f(v_c1) + (v_c0 - v_c1)(y - v_c1) for every y (here v): v_c1 = prox_f(v_c0).
     a, v, c, u1, u2 = barrier_axis()
     line = barrier.f(a.x, u1, u2) + mutation * (c - a.x) * (v - a.x)
-    return a.states(at_least(barrier.f(v, u1, u2), line))
+    return a.states(barrier.f(v, u1, u2) >= line)
 
 
 @claim("P2", (16, 25), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
@@ -56,7 +56,7 @@ def envelope_slope(mutation: Mutation) -> Statement:
     The corrected sign of (25), as a derivative by v_c0 and not by time.
     """
     a, _, c, u1, u2 = barrier_axis()
-    return a.states(equal(ca.gradient(barrier.g(c, u1, u2), c), a.x - mutation * c))
+    return a.states(ca.gradient(barrier.g(c, u1, u2), c) == a.x - mutation * c)
 
 
 @claim("P3", (10, 12), given=ALL_LIMITS, premises="lemma.log")
@@ -66,7 +66,7 @@ def three_points(mutation: Mutation) -> Statement:
     The slope of the barrier function is never small where its value is large.
     """
     a = BarrierAxis()
-    return a.states(at_least(a.A * a.w, a.V + mutation(0.5, 0.75) * a.w**2))
+    return a.states(a.A * a.w >= a.V + mutation(0.5, 0.75) * a.w**2)
 
 
 @claim("P4", (9, 10), given=ALL_LIMITS + FINITE, by=Ring(all_cases()))
@@ -76,7 +76,7 @@ def q_range(mutation: Mutation) -> Statement:
     The feed-forward is never amplified.
     """
     a = BarrierAxis()
-    return a.states(at_least(a.stable.q), at_least(mutation(1, 0.5), a.stable.q))
+    return a.states(a.stable.q >= 0, mutation(1, 0.5) >= a.stable.q)
 
 
 @claim(
@@ -91,7 +91,7 @@ def q_positive(mutation: Mutation) -> Statement:
     The feed-forward never has the wrong sign.
     """
     a = BarrierAxis()
-    return a.states(above(mutation * a.stable.q))
+    return a.states(mutation * a.stable.q > 0)
 
 
 @claim(
@@ -108,7 +108,7 @@ def quotient_range(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     product = a.stable.V1_over_A * a.stable.w
-    return a.states(at_least(product), at_least(mutation(1, 0.5) * a.stable.w**2, product))
+    return a.states(product >= 0, mutation(1, 0.5) * a.stable.w**2 >= product)
 
 
 @claim("P6", (18,), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
@@ -122,7 +122,7 @@ def target_slope(mutation: Mutation) -> Statement:
     edge = u2 + 1 / (u1 - u2)
     far = 1 / (1 + mutation / (u1 - abs(a.x)) ** 2)
     written = ca.if_else(abs(c) <= u2, 1, ca.if_else(abs(c) <= edge, 0, far))
-    return a.states(equal(slope, written), at_least(slope), at_least(1, slope))
+    return a.states(slope == written, slope >= 0, slope <= 1)
 
 
 @claim("P7", (9, 18), given=OFF_EDGES + FINITE, by=Ring(target_cases(edges=False)))
@@ -132,7 +132,7 @@ def q_at_target(mutation: Mutation) -> Statement:
     On target, the law tells the robot to follow the target's own acceleration.
     """
     a, v, c, _, _ = barrier_axis()
-    return a.states(equal(ca.substitute(a.stable.q, v, a.x), ca.gradient(a.x, c) + mutation(0, c)))
+    return a.states(ca.substitute(a.stable.q, v, a.x) == ca.gradient(a.x, c) + mutation(0, c))
 
 
 @claim("P8", (9,), given="P4 and P5 for the inner values", by=Z3(), premises="P4 P5")
@@ -147,8 +147,8 @@ def bounded_command(mutation: Mutation) -> Statement:
     t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
     force = law.force[0] - t.friction
-    P5 = between(0, t.quotient * t.w, t.w**2), at_least(t.w**2, t.quotient**2)
+    P5 = between(0, t.quotient * t.w, t.w**2), t.w**2 >= t.quotient**2
     given = positive(rho, mass), between(0, t.q, 1), P5
     bound = mutation * rho * abs(t.w) + abs(t.cdot)
     inner = law.parts(0, "quotient q cdot friction")
-    return Statement(t, at_least(bound * mass, abs(force)), given, inner)
+    return Statement(t, bound * mass >= abs(force), given, inner)

@@ -6,7 +6,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import at
-from wmr_proofs.relation import above, at_least, equal, positive
+from wmr_proofs.relation import positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -41,12 +41,12 @@ def start(mutation: Mutation) -> Statement:
     """
     t = Tracking("l")
     e, k2, l = t.e, t.k[1], t.l
-    sides = above(abs(e[1]), l * abs(e[0])), above(abs(e[1]), l * abs(e[2]))
+    sides = abs(e[1]) > l * abs(e[0]), abs(e[1]) > l * abs(e[2])
     if mutation < 0:
-        sides = above(l * abs(e[0]), abs(e[1])), sides[1]
-    lemma = at_least(e[2] ** 2, 2 * (1 - ca.cos(e[2])))
-    goal = above(analysis.start_bound(l, k2, e[1]), analysis.position_lyapunov(e, k2))
-    return Statement(t, goal, (above(l, 5), above(k2), sides, lemma))
+        sides = l * abs(e[0]) > abs(e[1]), sides[1]
+    lemma = e[2] ** 2 >= 2 * (1 - ca.cos(e[2]))
+    goal = analysis.start_bound(l, k2, e[1]) > analysis.position_lyapunov(e, k2)
+    return Statement(t, goal, (l > 5, k2 > 0, sides, lemma))
 
 
 @claim(
@@ -71,9 +71,9 @@ def growth(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 E V0 eps1 root")
     l, k2, k3, E, V0, eps1, root = t.values()
-    large = above(E, 2 * l * root), above(2 * V0, E**2)
-    given = positive(l, k2, k3, E, root), equal(root**2 * k3, k2 * eps1), large
-    return Statement(t, above(k3 * V0, mutation(1, 4) * 2 * l**2 * k2 * eps1), given)
+    large = 2 * l * root < E, E**2 < 2 * V0
+    given = positive(l, k2, k3, E, root), root**2 * k3 == k2 * eps1, large
+    return Statement(t, k3 * V0 > mutation(1, 4) * 2 * l**2 * k2 * eps1, given)
 
 
 @claim("eq42", (42,), given="l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5")
@@ -85,10 +85,10 @@ def window_value(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 T V0 E")
     l, k2, k3, T, V0, E = t.values()
     grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
-    small = above(1, 5 * T), above(1, k3 / (k2 * l**2)), above(analysis.start_bound(l, k2, E), V0)
-    given = above(l, 5), at_least(k2, 1), positive(k3, T, V0, E), small
+    small = 5 * T < 1, k3 / (k2 * l**2) < 1, analysis.start_bound(l, k2, E) > V0
+    given = l > 5, k2 >= 1, positive(k3, T, V0, E), small
     limit = mutation(594, 500)
-    return Statement(t, (above(11 * V0, 10 * grown), above(limit * 10 * E**2, 11000 * V0)), given)
+    return Statement(t, (10 * grown < 11 * V0, limit * 10 * E**2 > 11000 * V0), given)
 
 
 @claim(
@@ -100,9 +100,9 @@ def side_bound(mutation: Mutation, side: int) -> Statement:
     """|e{side}| < 1.1 |e2(t0)|."""
     t = Tracking("E")
     value = analysis.position_lyapunov(t.e, t.k[1])
-    given = positive(t.k[1], t.E), above(594 * t.E**2, 1000 * value)
+    given = positive(t.k[1], t.E), 1000 * value < 594 * t.E**2
     limit = mutation(1.21, 1.0)
-    return Statement(t, above(121 * t.E**2 * limit, 121 * t.e[side - 1] ** 2), given)
+    return Statement(t, 121 * t.E**2 * limit > 121 * t.e[side - 1] ** 2, given)
 
 
 @claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))
@@ -123,7 +123,7 @@ def angle_rate(mutation: Mutation) -> Statement:
     t = Tracking()
     k, e = t.k, t.e
     written = -k[1] * t.v_d[0] * e[1] - k[2] * ca.sin(e[2]) - mutation * t.z[1]
-    return t.states(equal(t.rate[2], written))
+    return t.states(t.rate[2] == written)
 
 
 @claim(
@@ -141,8 +141,8 @@ def angle_grows(mutation: Mutation) -> Statement:
     t = Tracking()
     k, e = t.k, t.e
     push = abs(-k[1] * t.v_d[0] * e[1] - mutation * t.z[1])
-    given = above(k[2]), at_least(e[2] * ca.sin(e[2]))
-    return t.states(at_least(push * abs(e[2]), e[2] * t.rate[2]), given=given)
+    given = k[2] > 0, e[2] * ca.sin(e[2]) >= 0
+    return t.states(push * abs(e[2]) >= e[2] * t.rate[2], given=given)
 
 
 @claim(
@@ -158,10 +158,10 @@ def angle_bound(mutation: Mutation) -> Statement:
     l, k2, k3, low, high, E, e3, z2 = t.values()
     T = analysis.window(l, k2, low)
     start = 10 * abs(e3) + (11 * k2 * high * E + 10 * abs(z2)) * T
-    small = above(1, 5 * T), at_least(E, l * abs(e3)), at_least(k3 * E, l * abs(z2))
-    given = above(l, 5), positive(k2, k3, low, E), at_least(high, low), small
+    small = 5 * T < 1, l * abs(e3) <= E, k3 * E >= l * abs(z2)
+    given = l > 5, positive(k2, k3, low, E), high >= low, small
     bound = mutation(10, 5) * analysis.angle_bound(l, k3, low, high, E)
-    return Statement(t, at_least(bound, start), given)
+    return Statement(t, bound >= start, given)
 
 
 @claim("eq48", (48,), given="|sin t| <= |t|", premises="lemma.sine lemma.integration")
@@ -169,9 +169,9 @@ def side_rate(mutation: Mutation) -> Statement:
     """|e2'| <= |e1| |v2| + v1d |e3| at every instant."""
     t = Tracking()
     e, v2 = t.e, t.followed[1]
-    given = above(t.v_d[0]), at_least(abs(e[2]), abs(ca.sin(e[2])))
+    given = t.v_d[0] > 0, abs(e[2]) >= abs(ca.sin(e[2]))
     bound = abs(e[0]) * abs(v2) + mutation * t.v_d[0] * abs(e[2])
-    return t.states(at_least(bound, abs(t.rate[1])), given=given)
+    return t.states(bound >= abs(t.rate[1]), given=given)
 
 
 @claim("eq49", (49,), given=FIVE, premises="eq44 eq47 eq48")
@@ -185,4 +185,4 @@ def side_stays(mutation: Mutation) -> Statement:
     T = analysis.window(l, k2, low)
     lost = (11 * v2 * E + 10 * high * analysis.angle_bound(l, k3, low, high, E)) * T
     given = positive(l, k2, k3, low, high, v2, E, conditions(t)[4])
-    return Statement(t, above(10 * E - lost, mutation(8, 9.5) * E), given)
+    return Statement(t, 10 * E - lost > mutation(8, 9.5) * E, given)

@@ -6,7 +6,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
-from wmr_proofs.relation import Relations, above, at_least, between, equal, positive
+from wmr_proofs.relation import Relations, between, equal, positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -25,7 +25,7 @@ LATE: dict[str, str | int] = {"e1": 0, "e2": 0, "z1": 0, "z2": 0, "k1": 1, "k2":
 def paper_gains(t: Symbols) -> Relations:
     """k2 = 5, k3 = 4, v1d = 0.2, v2max = 1.5, as exact hypotheses."""
     exact = (("k2", 1, 5), ("k3", 1, 4), ("v1dmin", 5, 1), ("v1dmax", 5, 1), ("v2max", 2, 3))
-    return tuple(equal(a * t[name], b) for name, a, b in exact)
+    return tuple(a * t[name] == b for name, a, b in exact)
 
 
 claim = Claims(by=Z3(), form=PRINTED)
@@ -38,10 +38,10 @@ def angle_falls(mutation: Mutation) -> Statement:
     """e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)."""
     t = Tracking("l E")
     l, E = t.l, t.E
-    stays = above(5 * t.e[1], 4 * E), above(t.k[2] * E, l * abs(t.z[1]))
+    stays = 5 * t.e[1] > 4 * E, t.k[2] * E > l * abs(t.z[1])
     given = positive(l, E, t.k[1], t.k[2], t.v_d[0]), stays
     bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * abs(ca.sin(t.e[2])), E)
-    return Statement(t, above(bound, 5 * t.rate[2]), given)
+    return Statement(t, bound > 5 * t.rate[2], given)
 
 
 @claim(
@@ -78,7 +78,7 @@ def share(mutation: Mutation) -> Statement:
     l, k2, k3, low, high, E = t.values()
     share = analysis.angle_share(k2, k3, low, high, printed=mutation < 0)
     left = k3 * analysis.angle_bound(l, k3, low, high, E)
-    return Statement(t, equal(left, k2 * low * E * (k3 / (l * k2 * low) * share)))
+    return Statement(t, left == k2 * low * E * (k3 / (l * k2 * low) * share))
 
 
 @claim(
@@ -96,11 +96,11 @@ def angle_speed(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 v1dmin v1dmax v2max E v1d sine")
     l, k2, k3, low, high, _, E, v1d, sine = t.values()
     six = conditions(t)
-    turned = at_least(analysis.angle_bound(l, k3, low, high, E), sine), at_least(sine)
+    turned = analysis.angle_bound(l, k3, low, high, E) >= sine, sine >= 0
     given = positive(l, k2, k3, low, E, six[3], six[5]), between(low, v1d, high), turned
     gains = ca.vertcat(1, k2, k3)
     bound = analysis.angle_rate_bound(l, gains, v1d, sine, E)
-    return Statement(t, above(-mutation(2.5, 3.5) * k2 * low * E, bound), given)
+    return Statement(t, -mutation(2.5, 3.5) * k2 * low * E > bound, given)
 
 
 @claim(
@@ -115,7 +115,7 @@ def rise(mutation: Mutation) -> Statement:
     t = Tracking("eps1")
     given = positive(*(t.k[i] for i in range(3)))
     bound = analysis.position_rate_bound(t.e, t.z, mutation * t.k)
-    return Statement(t, at_least(t.eps1, bound + t.eps1), given)
+    return Statement(t, t.eps1 >= bound + t.eps1, given)
 
 
 @claim(
@@ -133,13 +133,13 @@ def angle_end(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
     T, least = analysis.window(l, k2, low), 2 * l * (root + eps0 / (2 * k3))
-    sizes = at_least(root), equal(side**2, 1), at_least(eps0, abs(z2))
-    large = at_least(E, l * abs(e3)), above(E, least * mutation(1, 0.25))
+    sizes = root >= 0, side**2 == 1, eps0 >= abs(z2)
+    large = l * abs(e3) <= E, least * mutation(1, 0.25) < E
     given = positive(l, k2, k3, low, E, eps0), sizes, large
     moved = side * e3 - 3 * T * k2 * low * E / 10
     end = analysis.angle_after(l, side * e3, E)
-    passed = above(-4 * (root + abs(z2) / (2 * k3)), end)
-    return Statement(t, (equal(moved, end), at_least(-2 * E, l * end), passed), given)
+    passed = -4 * (root + abs(z2) / (2 * k3)) > end
+    return Statement(t, (moved == end, l * end <= -2 * E, passed), given)
 
 
 @claim(
@@ -157,14 +157,14 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
     e3, z2, k2, k3 = t.e[2], t.z[1], t.k[1], t.k[2]
     root, eps1, x = t.root, t.eps1, t.x
     given: list[Relations] = [
-        positive(t.k[0], k2, k3, eps1, root), equal(root**2 * k3, k2 * eps1),
-        equal(x, root + abs(z2) / (2 * k3)), above(-4 * x, mutation * e3), above(11, 14 * x),
-        above(22, -7 * e3), above(22, 7 * e3),
+        positive(t.k[0], k2, k3, eps1, root), root**2 * k3 == k2 * eps1,
+        x == root + abs(z2) / (2 * k3), -4 * x > mutation * e3, 14 * x < 11,
+        -7 * e3 < 22, 7 * e3 < 22,
     ]  # fmt: skip
     if repaired:
-        given += [at_least(11 * abs(ca.sin(e3)), 7 * abs(e3)), at_least(e3 * ca.sin(e3))]
+        given += [11 * abs(ca.sin(e3)) >= 7 * abs(e3), e3 * ca.sin(e3) >= 0]
     bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
-    return t.states(above(-mutation(3, 40) * eps1, bound + eps1), given=given)
+    return t.states(-mutation(3, 40) * eps1 > bound + eps1, given=given)
 
 
 @claim(
@@ -190,7 +190,7 @@ def mean(mutation: Mutation) -> Statement:
     On average over the window the error falls.
     """
     t = symbols("T eps1")
-    return Statement(t, equal(analysis.mean_rise(t.T, t.eps1), -3 * mutation * t.T * t.eps1))
+    return Statement(t, analysis.mean_rise(t.T, t.eps1) == -3 * mutation * t.T * t.eps1)
 
 
 @claim("conditions.least", (40,), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
@@ -202,7 +202,7 @@ def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     six = conditions(t, printed)
-    start = above(t.l, mutation(least, least - 1))
+    start = t.l > mutation(least, least - 1)
     return Statement(t, positive(*ca.vertsplit(six)), (paper_gains(t), start))
 
 
@@ -214,7 +214,7 @@ def at_256(_: Mutation) -> Statement:
     Floating-point arithmetic hides this. A least real l, which the paper takes, does not exist.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
-    given = paper_gains(t), equal(t.l, 256)
+    given = paper_gains(t), t.l == 256
     return Statement(t, positive(*ca.vertsplit(conditions(t))), given)
 
 

@@ -7,7 +7,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import FREE, POSITIVE, Case, at
-from wmr_proofs.relation import above, at_least, equal, positive
+from wmr_proofs.relation import positive
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, column, stacked, symbols
 
@@ -58,7 +58,7 @@ def derivative(mutation: Mutation) -> Statement:
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     rate = error_rate(e, v, v_d)
     chain = rate[0] * e[0] + rate[1] * e[1] + mutation * rate[2] * ca.sin(e[2]) / k2
-    return t.states(equal(analysis.position_rate(e, v, v_d, k2), chain))
+    return t.states(analysis.position_rate(e, v, v_d, k2) == chain)
 
 
 @claim("eq36", (33, 34, 35, 36), given=ANY)
@@ -71,7 +71,7 @@ def expanded(mutation: Mutation) -> Statement:
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     s, c = ca.sin(e[2]), ca.cos(e[2])
     written = (-v[0] + v_d[0] * c) * e[0] + v_d[0] * s * e[1] + mutation * (v_d[1] - v[1]) * s / k2
-    return t.states(equal(analysis.position_rate(e, v, v_d, k2), written))
+    return t.states(analysis.position_rate(e, v, v_d, k2) == written)
 
 
 @claim("eq37", (7, 13, 37), given=ANY)
@@ -83,7 +83,7 @@ def with_targets(mutation: Mutation) -> Statement:
     t = Tracking()
     e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])
     written = -k[0] * e[0] ** 2 - z[0] * e[0] - k[2] / k[1] * s**2 - mutation * z[1] * s / k[1]
-    return t.states(equal(t.fall, written))
+    return t.states(t.fall == written)
 
 
 @claim("eq38", (38,), given="k1, k2, k3 > 0")
@@ -93,7 +93,7 @@ def squares(mutation: Mutation) -> Statement:
     z, k = t.z, t.k
     rest = analysis.square_rest(z[0] ** 2, z[1] ** 2, k)
     written = analysis.position_rate_bound(t.e, mutation * z, k) + rest
-    return t.states(equal(t.fall, written))
+    return t.states(t.fall == written)
 
 
 @claim("eq39", (39,), given="k1, k2, k3, eps0 > 0", by=Ring((SIGNED,)))
@@ -105,7 +105,7 @@ def bounded(mutation: Mutation) -> Statement:
     t = Tracking("eps0")
     rest = analysis.square_rest(t.eps0**2, t.eps0**2, t.k)
     written = analysis.position_rate_bound(t.e, t.z, t.k) + mutation * rest
-    return Statement(t, at_least(written, t.fall))
+    return Statement(t, written >= t.fall)
 
 
 @claim(
@@ -122,11 +122,11 @@ def beyond(mutation: Mutation) -> Statement:
     t = Tracking("eps0 root")
     e, z, k, eps0, root = t.e, t.z, t.k, t.eps0, t.root
     rest = analysis.square_rest(eps0**2, eps0**2, k)
-    root_of = above(root), equal(root**2 * k[2], k[1] * rest)
-    turned = above(abs(ca.sin(e[2])), (root + eps0 / (2 * k[2])) * mutation)
-    sizes = positive(eps0, *ca.vertsplit(k)), at_least(eps0, abs(z[1]))
+    root_of = root > 0, root**2 * k[2] == k[1] * rest
+    turned = abs(ca.sin(e[2])) > (root + eps0 / (2 * k[2])) * mutation
+    sizes = positive(eps0, *ca.vertsplit(k)), eps0 >= abs(z[1])
     only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
-    return t.states(above(0, only_angle + rest), given=(sizes, root_of, turned))
+    return t.states(only_angle + rest < 0, given=(sizes, root_of, turned))
 
 
 @claim(
@@ -143,8 +143,8 @@ def twice_threshold(_: Mutation) -> Statement:
     """
     t = Tracking("eps0")
     x = analysis.threshold(t.eps0, t.k)
-    turned = above(abs(t.e[2]), 2 * x), above(7, 9 * x), above(22, 7 * abs(t.e[2]))
-    return t.states(above(0, t.fall), given=(turned, at_least(t.eps0**2, ca.sumsqr(t.z))))
+    turned = abs(t.e[2]) > 2 * x, 9 * x < 7, 7 * abs(t.e[2]) < 22
+    return t.states(t.fall < 0, given=(turned, t.eps0**2 >= ca.sumsqr(t.z)))
 
 
 @claim(
@@ -163,5 +163,5 @@ def quarter_turn(mutation: Mutation) -> Statement:
     t = symbols("e3 share x")
     angle, share, x = t.values()
     sine, size = abs(ca.sin(angle)), abs(angle)
-    given = at_least(x), above(size, 2 * x), above(11 * share, 7), at_least(sine, share * size)
-    return Statement(t, above(sine, mutation(1, 2) * x), given)
+    given = x >= 0, size > 2 * x, 11 * share > 7, sine >= share * size
+    return Statement(t, sine > mutation(1, 2) * x, given)

@@ -12,15 +12,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.paper_barrier import f, lyapunov, minimiser
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
-from wmr_proofs.relation import (
-    Relations,
-    above,
-    at_least,
-    between,
-    equal,
-    nonnegative,
-    when,
-)
+from wmr_proofs.relation import Relations, between, equal, nonnegative, when
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Symbols, symbols
 
@@ -56,10 +48,10 @@ class Carried:
         """
         t = self.inputs | self.free
         u1, share = t.u1, t.share
-        inside = [above(u1, way * t[x]) for way in (1, -1) for x in ("x", "x_next")]
-        held = when(ca.eq(t.c, t.c_next), equal(t.x, t.x_next))
-        known = above(t.u2), above(u1, t.u2), inside, held, at_least(share)
-        return Statement(t, goals, (known, at_least(1, share), given), self.cuts)
+        inside = [u1 > way * t[x] for way in (1, -1) for x in ("x", "x_next")]
+        held = when(ca.eq(t.c, t.c_next), t.x == t.x_next)
+        known = t.u2 > 0, u1 > t.u2, inside, held, share >= 0
+        return Statement(t, goals, (known, share <= 1, given), self.cuts)
 
 
 claim = Claims(by=Z3())
@@ -75,8 +67,8 @@ def transport_share(mutation: Mutation) -> Statement:
     theta = level_share(t.w, t.level, t.excess)
     spent = 0.5 * (theta * t.w) ** 2 + theta * t.excess
     room = mutation(t.level, 0.9 * t.level)
-    given = at_least(t.level, 0.5 * t.w**2), at_least(t.excess)
-    return Statement(t, (between(0, theta, 1), at_least(room, spent)), given)
+    given = t.level >= 0.5 * t.w**2, t.excess >= 0
+    return Statement(t, (between(0, theta, 1), room >= spent), given)
 
 
 @claim(
@@ -105,14 +97,14 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     def cost(y: ca.SX, target: ca.SX) -> ca.SX:
         return 0.5 * (y - target) ** 2 + pull(y, u1, u2)
 
-    inside = above(u2), above(u1, u2), [above(u1, abs(y)) for y in (v, x, x_next)]
-    least = at_least(cost(x_next, c), cost(x, c) + 0.5 * shift**2)
-    given = inside, least, at_least(cost(x, c_next), cost(x_next, c_next) + 0.5 * shift**2)
+    inside = u2 > 0, u1 > u2, [u1 > abs(y) for y in (v, x, x_next)]
+    least = cost(x_next, c) >= cost(x, c) + 0.5 * shift**2
+    given = inside, least, cost(x, c_next) >= cost(x_next, c_next) + 0.5 * shift**2
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
     nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
     sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
-    goals = sides, at_least(most, rise), when(nearer, at_least(0, rise))
+    goals = sides, most >= rise, when(nearer, rise <= 0)
     return Statement(t | symbols("x x_next"), goals, given, {"x": x, "x_next": x_next})
 
 
@@ -140,14 +132,14 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     held = ca.eq(t.c, t.c_next)
     spent = 0.5 * (share * w) ** 2 + share * t.excess
     given = (
-        when(reaches, at_least(t.level, spent)),
-        when(within, at_least(t.level, 0.5 * w**2)),
-        when(on_chord, at_least(spent, after)),
-        when(ca.eq(left, 0), equal(after)),
-        when(ca.logic_and(stays, ca.logic_or(nearer, held)), at_least(t.level, after)),
+        when(reaches, t.level >= spent),
+        when(within, t.level >= 0.5 * w**2),
+        when(on_chord, spent >= after),
+        when(ca.eq(left, 0), after == 0),
+        when(ca.logic_and(stays, ca.logic_or(nearer, held)), t.level >= after),
     )
-    lost = at_least(mutation(t.level, 0.9 * t.level), after)
-    return g.states((when(within, lost), at_least(w**2, left**2)), given)
+    lost = mutation(t.level, 0.9 * t.level) >= after
+    return g.states((when(within, lost), w**2 >= left**2), given)
 
 
 @claim("transport.inside", given=ANY, premises="transport.share prox.optimal", each=EITHER_BARRIER)
@@ -160,9 +152,9 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     g = Carried(smooth)
     t = g.inputs
     u1, size = t.u1, abs(g.end)
-    less = above(ca.if_else(abs(t.v) < u1, u1, 1 + size), size)
-    goals = at_least(mutation(u1, t.u2), size), less, when(ca.eq(t.c, t.c_next), equal(g.end, t.v))
-    return g.states(goals, (at_least(u1, abs(t.v)),))
+    less = ca.if_else(abs(t.v) < u1, u1, 1 + size) > size
+    goals = mutation(u1, t.u2) >= size, less, when(ca.eq(t.c, t.c_next), g.end == t.v)
+    return g.states(goals, (u1 >= abs(t.v),))
 
 
 @claim(
@@ -181,11 +173,11 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     free = Symbols({name: g.free[name] for name in ("x", "x_next", "level", "excess")})
     v, c, c_next, u1, u2 = t.values()
     ahead = v + c_next - c
-    inside = above(u2), above(u1, u2), [at_least(u2, abs(y)) for y in (v, c, c_next, ahead)]
-    values = equal(free.level, 0.5 * (v - c) ** 2), equal(free.excess)
-    given = inside, equal(free.x, c), equal(free.x_next, c_next), values
+    inside = u2 > 0, u1 > u2, [u2 >= abs(y) for y in (v, c, c_next, ahead)]
+    values = free.level == 0.5 * (v - c) ** 2, free.excess == 0
+    given = inside, free.x == c, free.x_next == c_next, values
     cuts = {name: g.cuts[name] for name in free}
-    return Statement(t | free, equal(g.end, mutation * ahead), given, cuts)
+    return Statement(t | free, g.end == mutation * ahead, given, cuts)
 
 
 @claim(
@@ -199,8 +191,8 @@ def root(mutation: Mutation) -> Statement:
     In units of velocity, V1 rises by no more than the way of its target.
     """
     t = symbols("before after S S_next w step")
-    roots = equal(t.S**2, 2 * t.before), equal(t.S_next**2, 2 * t.after)
-    moves = at_least(t.before - t.w * t.step + 0.5 * t.step**2, t.after)
-    given = nonnegative(t.S, t.S_next), roots, at_least(2 * t.before, t.w**2), moves
+    roots = equal(t.S**2, 2 * t.before), t.S_next**2 == 2 * t.after
+    moves = t.before - t.w * t.step + 0.5 * t.step**2 >= t.after
+    given = nonnegative(t.S, t.S_next), roots, 2 * t.before >= t.w**2, moves
     most = t.S + mutation(1, 0.9) * abs(t.step)
-    return Statement(t, at_least(most, t.S_next), given)
+    return Statement(t, most >= t.S_next, given)

@@ -14,7 +14,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Both, Ring
 from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Relations, above, at_least, equal, positive, within
+from wmr_proofs.relation import Relations, at_least, positive, within
 from wmr_proofs.statement import Statement
 from wmr_proofs.symbols import Named, exchanged, symbols
 from wmr_proofs.traced import Tracing, expression, functions_for_traced, traced
@@ -73,7 +73,7 @@ class EffectGraph(Named):
 
     def above_zero(self, *names: str) -> Relations:
         """Each of these numbers is positive."""
-        return [above(self[name]) for name in names]
+        return [self[name] > 0 for name in names]
 
 
 SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
@@ -155,7 +155,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     given = list[Relations]()
     for real, part in ((now, ca.floor(now)), (old, whole)):
         for i in (0, 1):
-            given += at_least(real[i], part[i]), above(1, real[i] - part[i])
+            given += real[i] >= part[i], real[i] - part[i] < 1
     exact = encoder.velocity_of((now - old) / g["clock.control"], g.parameters)
     bound = g.bound("nbar")[axis]
     off = g.system.outputs[axis].expr - exact[axis]
@@ -163,8 +163,8 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     sides = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
     cuts = {"turn_right": now[0], "turn_left": now[1]}
     cuts |= {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
-    window = equal(g.bound("window")[axis], g["clock.control"])
-    goals = above(most, off), above(off, -most), window
+    window = g.bound("window")[axis] == g["clock.control"]
+    goals = most > off, off > -most, window
     return g.states(goals, given=(sides, given), cuts=cuts, more=turn)
 
 
