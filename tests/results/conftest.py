@@ -1,7 +1,6 @@
 """A builder of synthetic runs: every logged column is zero unless a test says otherwise."""
 
 import numpy as np
-import pytest
 
 from wmr_ctrl.core.signals import LOG_HEAD
 from wmr_ctrl.results import Monitor, Run, Settings, outcome_of
@@ -42,8 +41,3 @@ def build(
         outcome=outcome_of(seen, labelled["guard"]),
         provenance=provenance or {},
     )
-
-
-@pytest.fixture(scope="session")
-def make_run():
-    return build

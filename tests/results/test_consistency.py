@@ -27,25 +27,16 @@ def foreign(run, **columns):
     return replace(run, settings=settings, columns={**run.columns, **columns})
 
 
-def late(values, count):
-    return np.concatenate([np.repeat(values[:1], count, axis=0), values[:-count]])
-
-
-def noisy(values, size):
-    return values + size * RNG.standard_normal(len(values))
-
-
 ALIKE = {
     "as it is": lambda run: {},
-    "pose late": lambda run: {name: late(run[name], 1) for name in ("x", "y", "psi")},
-    "speeds late by two": lambda run: {name: late(run[name], 2) for name in ("v1", "omega")},
+    "pose late": lambda run: {x: np.r_[run[x][:1], run[x][:-1]] for x in ("x", "y", "psi")},
     "angle within a turn": lambda run: {"psi": (run["psi"] + np.pi) % (2 * np.pi) - np.pi},
     "another point of the robot": lambda run: {
         "x": run["x"] + 0.1 * np.cos(run["psi"]), "y": run["y"] + 0.1 * np.sin(run["psi"])
     },
     "noise": lambda run: {
-        "x": noisy(run["x"], 1e-3), "y": noisy(run["y"], 1e-3), "psi": noisy(run["psi"], 1e-3),
-        "v1": noisy(run["v1"], 0.01), "omega": noisy(run["omega"], 0.01),
+        name: run[name] + size * RNG.standard_normal(run.rows)
+        for name, size in (("x", 1e-3), ("y", 1e-3), ("psi", 1e-3), ("v1", 0.01), ("omega", 0.01))
     },
 }  # fmt: skip
 APART = {

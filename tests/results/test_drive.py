@@ -7,16 +7,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tests.results.test_bag_topics import (
-    EPOCH,
-    JOINTS,
-    ODOMETRY,
-    TWIST,
-    bag,
-    joints,
-    odometry,
-    twist,
-)
+from tests.commands import flat
+from tests.results.test_bag_topics import EPOCH, ODOMETRY, TWIST, bag, joints_at, odometry, twist
+from tests.tables import cases
 from wmr_ctrl import load_drive, load_run
 from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ResultFileError, UnknownNameError
@@ -33,16 +26,12 @@ def circle(t):
 
 def messages(late=0.003):
     """What a base records: odometry, commands at half its rate, wheels without efforts."""
-    listed = [
+    odom = [
         ("/base/odom", ODOMETRY, EPOCH + t + late, odometry(EPOCH + t, 0.4, 0.5, circle(t)))
         for t in T
     ]
-    listed += [("/cmd_vel", TWIST, EPOCH + t, twist(0.4, 0.5)) for t in T[::2]]
-    listed += [
-        ("/joint_states", JOINTS, EPOCH + t, joints(EPOCH + t, (4.5 * t, 3.5 * t), (4.5, 3.5)))
-        for t in T
-    ]
-    return listed
+    sent = [("/cmd_vel", TWIST, EPOCH + t, twist(0.4, 0.5)) for t in T[::2]]
+    return odom + sent + joints_at(EPOCH + T, lambda t: (4.5 * t, 3.5 * t), lambda t: (4.5, 3.5))
 
 
 @pytest.fixture(scope="module")
@@ -60,10 +49,6 @@ def invoke(*words):
     return CliRunner().invoke(root, [str(word) for word in words])
 
 
-def said(done):
-    return " ".join((done.stdout + done.stderr).split())
-
-
 def test_show_lists_what_a_base_recorded_and_names_what_it_did_not(recorded):
     done = invoke("show", recorded, "--json")
     told = json.loads(done.stdout)
@@ -76,7 +61,7 @@ def test_show_lists_what_a_base_recorded_and_names_what_it_did_not(recorded):
     assert told["way"] == pytest.approx(0.4 * T[-1], rel=1e-3)
     assert (told["max_abs_v1"], told["max_abs_v2"]) == (0.4, 0.5)
     assert told["tau_peak"] is None
-    text = said(invoke("show", recorded))
+    text = flat(invoke("show", recorded).stdout)
     for sentence in ("not there: tau_right, tau_left", "nothing is judged", "the longest gap is",
                      "recorded 3 ms after its stamps"):  # fmt: skip
         assert sentence in text
@@ -103,21 +88,21 @@ def test_a_saved_drive_is_the_log_that_identify_reads(recorded, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "words, word",
-    [
-        (["--animate", "out.gif"], "--animate are of a run"),
-        (["--report", "out.html"], "Use --plot"),
-        (["--out", "out.npz"], "must end in .csv"),
-        (["--topics", "odom=/nowhere"], "no topic /nowhere"),
-        (["--topics", "odom"], "must be ROLE=NAME"),
-    ],
+    "words, said",
+    cases("""
+    --animate OUT.gif | --animate are of a run
+    --report OUT.html | Use --plot
+    --out OUT.npz | must end in .csv
+    --topics odom=/nowhere | no topic /nowhere
+    --topics odom | must be ROLE=NAME
+    """),
 )
-def test_an_impossible_request_writes_no_file(commands_alone, tmp_path, words, word):
-    given = [tmp_path / item if item.startswith("out.") else item for item in words]
+def test_an_impossible_request_writes_no_file(commands_alone, tmp_path, words, said):
+    given = words.replace("OUT", str(tmp_path / "out")).split()
     done = invoke("show", commands_alone, "--plot", tmp_path / "plot.png", *given)
 
     assert done.exit_code == 2
-    assert word in said(done)
+    assert said in flat(done.stderr)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -21,10 +21,6 @@ def figures_of(run):
     return values_of(run, FIGURES.with_others(REPORTED))
 
 
-def value(name, run):
-    return figures_of(run)[name]
-
-
 def test_names_are_unique_and_headings_carry_units():
     names = [figure.name for figure in FIGURES]
 
@@ -46,19 +42,18 @@ def test_a_run_that_ended_early_has_the_figures_that_it_covers():
 
 
 def test_distance_figures():
-    gap = np.linspace(2.0, 0.0, 8000)
-    run = build(duration=80.0, x=gap)
+    values = figures_of(build(duration=80.0, x=np.linspace(2.0, 0.0, 8000)))
 
-    assert value("d_start", run) == 2.0
-    assert value("halving_time", run) == pytest.approx(40.0, abs=0.02)
-    assert value("d_rms_70_80", run) == pytest.approx(0.25 / math.sqrt(3), rel=1e-3)
+    assert values["d_start"] == 2.0
+    assert values["halving_time"] == pytest.approx(40.0, abs=0.02)
+    assert values["d_rms_70_80"] == pytest.approx(0.25 / math.sqrt(3), rel=1e-3)
 
 
 def test_a_figure_of_another_package_stands_in_the_report_s_tables(monkeypatch):
     twice = Figure("twice", "1", "a number", lambda run: 2.0)
     monkeypatch.setitem(FIGURES.__dict__, "plugins", (twice,))
 
-    assert value("twice", build()) == 2.0
+    assert figures_of(build())["twice"] == 2.0
     assert build().summary()["figures"]["twice"] == 2.0
     with made_up():
         table = run_campaign(paper_plan(seeds=1)[:1], 1, figures=("ise_total",), whole=False).table

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tests.equal_runs import runs_equal
+from tests.results.conftest import build
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.results import Monitor, load_run
@@ -56,8 +57,8 @@ def refused(path):
     words=st.dictionaries(st.text(), st.text(), max_size=3),
 )
 @pytest.mark.slow_but(".npz")
-def test_a_saved_run_loads_back_equal(make_run, tmp_path, suffix, x, e, words):
-    run = make_run(duration=0.2, x=x, e=e, provenance=words)
+def test_a_saved_run_loads_back_equal(tmp_path, suffix, x, e, words):
+    run = build(duration=0.2, x=x, e=e, provenance=words)
     loaded = load_run(saved(run, tmp_path, suffix))
 
     assert runs_equal(loaded, run)
@@ -69,10 +70,10 @@ def test_a_saved_run_loads_back_equal(make_run, tmp_path, suffix, x, e, words):
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("rows", [0, 1, 5])
-def test_a_run_that_ended_early_loads_back_equal(make_run, tmp_path, suffix, rows):
+def test_a_run_that_ended_early_loads_back_equal(tmp_path, suffix, rows):
     labels = {"guard": True, "seed": 2**70, "law": "my, law", "scenario": 'a "b"\n# c é'}
     extra = (Signal("m_hat", "kg", "mass, as estimated", 2), Signal("Größe", "m", "a, b"))
-    run = make_run(rows=rows, monitor=LOST, labels=labels, extra=extra)
+    run = build(rows=rows, monitor=LOST, labels=labels, extra=extra)
     loaded = load_run(saved(run, tmp_path, suffix))
 
     assert runs_equal(loaded, run)
@@ -81,16 +82,16 @@ def test_a_run_that_ended_early_loads_back_equal(make_run, tmp_path, suffix, row
 
 
 @pytest.mark.parametrize("suffix", [*SUFFIXES, ".NPZ", ".Csv"])
-def test_equal_runs_give_equal_bytes_whatever_the_case_of_the_suffix(make_run, tmp_path, suffix):
-    first = saved(make_run(x=1.0), tmp_path, suffix).read_bytes()
-    again = saved(make_run(x=1.0), tmp_path, suffix)
+def test_equal_runs_give_equal_bytes_whatever_the_case_of_the_suffix(tmp_path, suffix):
+    first = saved(build(x=1.0), tmp_path, suffix).read_bytes()
+    again = saved(build(x=1.0), tmp_path, suffix)
 
     assert again.read_bytes() == first
-    assert runs_equal(load_run(again), make_run(x=1.0))
+    assert runs_equal(load_run(again), build(x=1.0))
 
 
-def test_other_readers_find_names_units_and_numbers_in_the_csv(make_run, tmp_path):
-    run = make_run(x=np.arange(100.0) / 3, e=[1.0, 2.0, 3.0])
+def test_other_readers_find_names_units_and_numbers_in_the_csv(tmp_path):
+    run = build(x=np.arange(100.0) / 3, e=[1.0, 2.0, 3.0])
     lines = saved(run, tmp_path, ".csv").read_text().splitlines()
     comments = [line[2:] for line in lines if line.startswith("# ")]
     header, *rows = csv.reader(lines[len(comments) :])
@@ -108,8 +109,8 @@ def test_other_readers_find_names_units_and_numbers_in_the_csv(make_run, tmp_pat
 @reusing_folder
 @given(part=st.floats(0, 1))
 @example(part=1.0)
-def test_a_file_cut_anywhere_is_refused(make_run, tmp_path, suffix, part):
-    path = saved(make_run(duration=0.05, x=1 / 3), tmp_path, suffix)
+def test_a_file_cut_anywhere_is_refused(tmp_path, suffix, part):
+    path = saved(build(duration=0.05, x=1 / 3), tmp_path, suffix)
     whole = path.read_bytes()
     path.write_bytes(whole[: min(int(part * len(whole)), len(whole) - 1)])
 
@@ -119,9 +120,9 @@ def test_a_file_cut_anywhere_is_refused(make_run, tmp_path, suffix, part):
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @reusing_folder
 @given(part=st.floats(0, 1, exclude_max=True), flip=st.integers(1, 255))
-def test_a_flipped_byte_is_refused_or_harmless(make_run, tmp_path, suffix, part, flip):
+def test_a_flipped_byte_is_refused_or_harmless(tmp_path, suffix, part, flip):
     """A changed digit in a table may be another valid number, which is harmless."""
-    run = make_run(duration=0.05, x=1 / 3)
+    run = build(duration=0.05, x=1 / 3)
     path = saved(run, tmp_path, suffix)
     data = bytearray(path.read_bytes())
     data[int(part * len(data))] ^= flip
@@ -152,8 +153,8 @@ def test_a_flipped_byte_is_refused_or_harmless(make_run, tmp_path, suffix, part,
         (b'"size": 1', b'"si\\nze": 1'),
     ],
 )
-def test_a_csv_edited_into_a_contradiction_is_refused(make_run, tmp_path, old, new):
-    path = saved(make_run(duration=0.05), tmp_path, ".csv")
+def test_a_csv_edited_into_a_contradiction_is_refused(tmp_path, old, new):
+    path = saved(build(duration=0.05), tmp_path, ".csv")
     data = path.read_bytes()
     assert old in data
     path.write_bytes(data.replace(old, new, 1))
@@ -162,8 +163,8 @@ def test_a_csv_edited_into_a_contradiction_is_refused(make_run, tmp_path, old, n
 
 
 @pytest.mark.parametrize("name", ["run", "run.txt", "run.npz.gz", ".npz"])
-def test_an_unknown_suffix_is_refused_with_the_known_ones(make_run, tmp_path, name):
-    for act in (lambda: save_run(make_run(), tmp_path / name), lambda: load_run(tmp_path / name)):
+def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
+    for act in (lambda: save_run(build(), tmp_path / name), lambda: load_run(tmp_path / name)):
         with pytest.raises(ResultFileError, match=r"\.npz or \.csv"):
             act()
     assert list(tmp_path.iterdir()) == []

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from tests.equal_runs import runs_equal
+from tests.results.conftest import build
 from wmr_ctrl.results import json_safe, load_run
 from wmr_ctrl.results.frames import table_html
 
 pandas = pytest.importorskip("pandas")
 
 
-def test_a_table_has_every_logged_number_by_its_name(make_run):
-    run = make_run(v1=0.3, x=np.arange(100.0))
+def test_a_table_has_every_logged_number_by_its_name():
+    run = build(v1=0.3, x=np.arange(100.0))
     frame = run.to_dataframe()
 
     assert frame.index.name == "t"
@@ -24,10 +25,10 @@ def test_a_table_has_every_logged_number_by_its_name(make_run):
         assert frame.attrs["units"][name] == run.signal(name).unit
 
 
-def test_a_run_saves_draws_and_sums_itself_up(make_run, tmp_path):
+def test_a_run_saves_draws_and_sums_itself_up(tmp_path):
     from wmr_ctrl.results import summary
 
-    run = make_run(x=0.1)
+    run = build(x=0.1)
     run.save(tmp_path / "run.npz")
     figure = run.plot(tmp_path / "run.png")
 

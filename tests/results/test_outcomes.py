@@ -1,6 +1,7 @@
 """Outcomes: which one, and the sentence that goes with it."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -15,9 +16,6 @@ LEFT = Monitor((0.9, 1.2), bounds_left=(2.5, 2))
 
 FAILED = Monitor((0.9, 1.2), failure="plant.fmu (plant) refused the step at t = 0.5 s.")
 
-SPUN = Monitor((0.9, 1.2), bounds_left=(2.5, 2), rigid=RigidMonitor(None, 0.003, 4.0))
-FALLEN = Monitor((1.7, 1.2), 12, (0.0125, 1), rigid=RigidMonitor(1.985, 0.003, 443.9))
-
 CASES = [
     (FAILED, "failed"),
     (KEPT, "completed"),
@@ -25,16 +23,15 @@ CASES = [
     (BROKEN, "limit-violated"),
     (DIVERGED, "diverged"),
     (LOST, "non-finite"),
-    (FALLEN, "tipped"),
-    (SPUN, "slipped"),
-    (Monitor((1.7, 1.2), 12, (0.0125, 1), rigid=RigidMonitor(None, 0.003, 4.0)), "limit-violated"),
+    (replace(BROKEN, rigid=RigidMonitor(1.985, 0.003, 443.9)), "tipped"),
+    (replace(LEFT, rigid=RigidMonitor(None, 0.003, 4.0)), "slipped"),
+    (replace(BROKEN, rigid=RigidMonitor(None, 0.003, 4.0)), "limit-violated"),
 ]
 
 
 @pytest.mark.parametrize("monitor, value", CASES)
 def test_the_gravest_event_gives_the_outcome(monitor, value):
     assert outcome_of(monitor, guard=True) == Outcome(value)
-    assert outcome_of(monitor, guard=True).value == value
 
 
 @pytest.mark.parametrize(
@@ -44,6 +41,7 @@ def test_the_gravest_event_gives_the_outcome(monitor, value):
         ((0.0, math.nan), Outcome.NON_FINITE),
         ((1000.0, 0.0), Outcome.DIVERGED),
         ((math.nextafter(1000.0, 0.0), 0.0), Outcome.COMPLETED),
+        ((1.0, 1.5), Outcome.COMPLETED),
     ],
 )
 def test_extremes_alone_never_pass_as_completed(max_abs_v, outcome):
@@ -62,16 +60,13 @@ def test_a_start_outside_is_told_as_such_and_only_then(guard):
     assert "outside" not in Outcome.LIMIT_VIOLATED.sentence(BROKEN, guard)
 
 
-def test_reaching_the_limit_without_a_counted_violation_is_no_violation():
-    assert outcome_of(Monitor((1.0, 1.5))) == Outcome.COMPLETED
-
-
 @pytest.mark.parametrize(
     "monitor, parts",
     [
         (KEPT, ["completed", "0.9 m/s", "1.2 rad/s"]),
         (FAILED, ["ended early", "plant.fmu", "t = 0.5 s"]),
         (LEFT, ["angular velocity omega", "t = 2.5 s", "guard.dbar"]),
+        (replace(BROKEN, violations=1), ["1 plant step was"]),
         (BROKEN, ["linear velocity v1", "t = 0.0125 s", "12 plant steps", "guard"]),
         (DIVERGED, ["angular velocity omega", "t = 0.375 s", "1000 rad/s", "clock.control"]),
         (LOST, ["linear velocity v1", "t = 0.375 s", "finite", "clock.plant"]),
@@ -83,9 +78,3 @@ def test_the_sentence_names_what_when_axis_and_remedy(monitor, parts):
     assert [part for part in parts if part not in sentence] == []
     assert "\n" not in sentence
     assert "{" not in sentence
-
-
-def test_one_step_is_counted_in_the_singular():
-    monitor = Monitor((1.7, 1.2), 1, (0.0125, 1))
-
-    assert "1 plant step was" in outcome_of(monitor).sentence(monitor)

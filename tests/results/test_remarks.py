@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.results.conftest import build
 from wmr_ctrl.api import simulate
 from wmr_ctrl.core.signals import GUARD_DIAGNOSTICS
 from wmr_ctrl.results import Monitor, percent, position_rms
@@ -23,27 +24,27 @@ def remark(run, key):
     return text
 
 
-def test_position_is_the_straight_distance(make_run):
+def test_position_is_the_straight_distance():
     away = np.where(np.arange(100) < 75, 0.0, 0.05)
-    run = make_run(x=3 + 0.6 * away, x_d=3.0, y=1.0, y_d=1 + 0.8 * away, theta=3.0)
+    run = build(x=3 + 0.6 * away, x_d=3.0, y=1.0, y_d=1 + 0.8 * away, theta=3.0)
 
     assert position_rms(run) == pytest.approx({"all": 0.025, "last_quarter": 0.05})
     assert position_max(run) == pytest.approx(0.05)
 
 
-def test_guard_share_is_per_axis_and_zero_without_guard(make_run):
+def test_guard_share_is_per_axis_and_zero_without_guard():
     clipped = {"extra": (CLIP,), "clip_active": np.tile([[1.0, 0.0], [0.0, 0.0]], (50, 1))}
 
-    assert guard_share(make_run(**clipped, labels={"guard": True})) == (0.5, 0.0)
-    assert guard_share(make_run(**clipped)) == (0.0, 0.0)
-    assert guard_share(make_run(labels={"guard": True})) is None
+    assert guard_share(build(**clipped, labels={"guard": True})) == (0.5, 0.0)
+    assert guard_share(build(**clipped)) == (0.0, 0.0)
+    assert guard_share(build(labels={"guard": True})) is None
 
 
-def test_the_outcome_is_a_remark_too(make_run):
+def test_the_outcome_is_a_remark_too():
     beyond = Monitor((1.7, 1.2), 12, (0.0125, 1), bounds_left=(0.5, 1))
 
-    assert keys(make_run(monitor=beyond)) == ["limit-violated"]
-    guarded = make_run(monitor=beyond, labels={"guard": True})
+    assert keys(build(monitor=beyond)) == ["limit-violated"]
+    guarded = build(monitor=beyond, labels={"guard": True})
     assert keys(guarded) == ["limit-violated", "bounds-left"]
     assert "completed" not in remark(guarded, "bounds-left")
     assert "linear velocity v1 at t = 0.5 s" in remark(guarded, "bounds-left")

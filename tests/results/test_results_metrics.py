@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.results.conftest import build
 from wmr_ctrl.results import Monitor, e_rms, ise, summary, tau_peak, tau_rms
 from wmr_ctrl.results.measures import ise_over
 
@@ -21,10 +22,8 @@ STOPPED = Monitor((2.0, 1000.0), 3, (0.3, 1), (0.6, 2), "diverged")
 
 @pytest.mark.parametrize("name", ["x", "y_d", "theta"])
 @given(c=ERRORS, rows=st.integers(1, 300), control=CONTROLS)
-def test_a_constant_error_integrates_to_its_square_times_the_duration(
-    make_run, name, c, rows, control
-):
-    run = make_run(duration=rows * control, control=control, **{name: c})
+def test_a_constant_error_integrates_to_its_square_times_the_duration(name, c, rows, control):
+    run = build(duration=rows * control, control=control, **{name: c})
     expected = c**2 * rows * control
 
     assert ise(run)["total"] == pytest.approx(expected, rel=1e-12)
@@ -36,19 +35,19 @@ def test_a_constant_error_integrates_to_its_square_times_the_duration(
 
 
 @pytest.mark.parametrize("start, end", [(-0.1, 0.5), (0.5, 0.4), (0.0, 1.01), (2.0, 3.0)])
-def test_a_window_outside_the_run_has_no_figure(make_run, start, end):
-    assert ise_over(make_run(), start, end) is None
-    assert e_rms(make_run(), start, end) is None
-    assert e_rms(make_run(), 0.5, 0.5) is None
-    assert ise_over(make_run(x=1.0), 0.5, 0.5) == 0.0
+def test_a_window_outside_the_run_has_no_figure(start, end):
+    assert ise_over(build(), start, end) is None
+    assert e_rms(build(), start, end) is None
+    assert e_rms(build(), 0.5, 0.5) is None
+    assert ise_over(build(x=1.0), 0.5, 0.5) == 0.0
 
 
 # -- runs that ended early ----------------------------------------------------------------
 
 
-def test_an_early_end_leaves_only_the_windows_that_it_covers(make_run):
-    whole = make_run(x=1.0, split=0.6)
-    early = make_run(x=1.0, split=0.6, rows=60, monitor=STOPPED)
+def test_an_early_end_leaves_only_the_windows_that_it_covers():
+    whole = build(x=1.0, split=0.6)
+    early = build(x=1.0, split=0.6, rows=60, monitor=STOPPED)
 
     assert ise(early) == {
         "total": None,
@@ -62,9 +61,9 @@ def test_an_early_end_leaves_only_the_windows_that_it_covers(make_run):
 # -- torques and body-frame errors --------------------------------------------------------
 
 
-def test_a_run_that_ended_at_once_has_no_figures(make_run):
+def test_a_run_that_ended_at_once_has_no_figures():
     at_once = Monitor((0.0, 1000.0), 1, (0.0, 2), (0.0, 2), "diverged")
-    figures = summary(make_run(rows=0, monitor=at_once, rms_from=0.0))
+    figures = summary(build(rows=0, monitor=at_once, rms_from=0.0))
 
     assert set(figures["ise"].values()) | set(figures["e_rms"].values()) == {None}
     assert (figures["tau_peak"], figures["tau_rms"]) == (None, None)
@@ -74,27 +73,27 @@ def test_a_run_that_ended_at_once_has_no_figures(make_run):
 @pytest.mark.parametrize("wheel", ["tau_right", "tau_left"])
 @pytest.mark.parametrize("row", [0, 57, 99])
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_the_torque_peak_is_found_on_either_wheel(make_run, wheel, row, sign):
+def test_the_torque_peak_is_found_on_either_wheel(wheel, row, sign):
     torque = np.full(100, 0.5)
     torque[row] = 7.0 * sign
 
-    assert tau_peak(make_run(**{wheel: torque})) == 7.0
+    assert tau_peak(build(**{wheel: torque})) == 7.0
 
 
-def test_the_torque_rms_starts_at_its_sample_and_not_before(make_run):
+def test_the_torque_rms_starts_at_its_sample_and_not_before():
     torque = np.where(np.arange(100) < 30, 100.0, 2.0)
 
-    assert tau_rms(make_run(tau_right=torque, tau_left=2.0, rms_from=0.3)) == pytest.approx(2.0)
-    assert tau_rms(make_run(tau_right=torque, tau_left=2.0, rms_from=0.29)) == pytest.approx(
+    assert tau_rms(build(tau_right=torque, tau_left=2.0, rms_from=0.3)) == pytest.approx(2.0)
+    assert tau_rms(build(tau_right=torque, tau_left=2.0, rms_from=0.29)) == pytest.approx(
         math.sqrt((100**2 + 141 * 2**2) / 142)
     )
-    assert tau_rms(make_run(rms_from=1.0)) is None
+    assert tau_rms(build(rms_from=1.0)) is None
 
 
-def test_the_rms_windows_of_the_summary_are_half_open(make_run):
+def test_the_rms_windows_of_the_summary_are_half_open():
     time = np.arange(800) / 10
     marks = np.stack([time, np.where(time < 40, 1.0, 3.0), np.where(time >= 45, 5.0, 0.0)], axis=1)
-    figures = summary(make_run(duration=80.0, control=0.1, e=marks))["e_rms"]
+    figures = summary(build(duration=80.0, control=0.1, e=marks))["e_rms"]
 
     assert {key: values[1:] for key, values in figures.items()} == {
         "30-40": [1.0, 0.0],
@@ -108,11 +107,11 @@ def test_the_rms_windows_of_the_summary_are_half_open(make_run):
 # -- summary ------------------------------------------------------------------------------
 
 
-def test_the_summary_has_exactly_the_published_keys(make_run):
+def test_the_summary_has_exactly_the_published_keys():
     hashes = {"version": "1.0", "scenario_hash": "ab", "kernel_hash": "cd"}
     monitor = Monitor((1.2, 0.5), 4, (0.1, 1), d_least=(3, math.inf))
     told = {**hashes, "scenario_toml": "..."}
-    run = make_run(provenance=told, monitor=monitor, dbar=(60, 15))
+    run = build(provenance=told, monitor=monitor, dbar=(60, 15))
     figures = summary(run)
 
     assert " ".join(figures) == (
@@ -131,13 +130,13 @@ def test_the_summary_has_exactly_the_published_keys(make_run):
 
 
 @given(value=st.sampled_from([math.nan, math.inf, -math.inf, 1e200]))
-def test_the_summary_is_strict_json_whatever_the_numbers_are(make_run, value):
+def test_the_summary_is_strict_json_whatever_the_numbers_are(value):
     lost = Monitor((math.nan, math.inf), 1, (0.0, 1), (0.5, 1), "non-finite")
     for monitor in (lost, Monitor((0.1, 0.1))):
-        run = make_run(x=value, e=value, tau_left=value, rms_from=0.0, monitor=monitor)
+        run = build(x=value, e=value, tau_left=value, rms_from=0.0, monitor=monitor)
         figures = summary(run)
 
         assert json.loads(json.dumps(figures, allow_nan=False)) == figures
         assert figures["ise"]["total"] is None
         assert figures["tau_peak"] == (1e200 if value == 1e200 else None)
-    assert summary(make_run(rows=50, monitor=lost))["max_abs_v"] == [None, None]
+    assert summary(build(rows=50, monitor=lost))["max_abs_v"] == [None, None]

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.simulation.campaign.synthetic import made_up
+from tests.tables import cases
 from wmr_ctrl.core.errors import UnknownNameError
 from wmr_ctrl.results.table import STATISTICS, RunTable, Spread, spread, table_of_rows
 from wmr_ctrl.simulation.campaign.engine import run_campaign
@@ -56,19 +57,15 @@ def test_a_table_finds_cases_and_figures(campaign):
 
 @pytest.mark.parametrize(
     "figure, scenario, law",
-    [
-        ("nothing", "paper-simulation", "nn"),
-        ("ise_total", "no-scenario", "nn"),
-        ("ise_total", "paper-simulation", "lqr"),
-    ],
+    cases("""
+    nothing | paper-simulation | nn
+    ise_total | no-scenario | nn
+    ise_total | paper-simulation | lqr
+    """),
 )
 def test_unknown_names_are_told(campaign, figure, scenario, law):
     with pytest.raises(UnknownNameError):
         campaign.table.case(scenario, law).by_seed(figure)
-
-
-def test_an_empty_table_has_no_rows():
-    assert (RunTable().rows, RunTable().records(), RunTable().different("law")) == (0, [], ())
 
 
 def test_rows_become_columns_and_rows_again():
@@ -82,6 +79,7 @@ def test_rows_become_columns_and_rows_again():
     assert table.where(guard=True).records() == table.broken.records() == rows[1:]
     assert table.where(law=None).rows == 2
     assert table.median("ise_total") == 1.5
+    assert (RunTable().rows, RunTable().records(), RunTable().different("law")) == (0, [], ())
 
 
 def test_the_spread_of_two_numbers_is_half_their_distance():

@@ -1,7 +1,10 @@
 """Columns over time from tables, each with its own times."""
 
+import json
+
 import pytest
 
+from tests.tables import cases
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.results.tables import is_table, read_table, reader_of, timed
 
@@ -41,18 +44,18 @@ def test_a_column_without_a_number_is_none(tmp_path):
 
 @pytest.mark.parametrize(
     "content, columns, word",
-    [
-        ("t,v1,omega\n", {}, "no rows of numbers"),
-        ("t,v1\n0,\n", {}, "no rows of numbers"),
-        ("time,v1,omega\n0,1,2\n", {}, "no column is named t. There are time, v1, omega"),
-        ("t,a,a\n0,1,2\n", {"v1": "a"}, "2 columns are named"),
-        ("t,a,b\n0,1,2\n", {"speed": "a"}, "is not read; names are t"),
-        ("t,v1\n0,\0\n1,2\n", {}, "log.csv"),
-    ],
+    cases("""
+    t,v1,omega | {} | no rows of numbers
+    t,v1;0, | {} | no rows of numbers
+    time,v1,omega;0,1,2 | {} | no column is named t. There are time, v1, omega
+    t,a,a;0,1,2 | {"v1": "a"} | 2 columns are named
+    t,a,b;0,1,2 | {"speed": "a"} | is not read; names are t
+    t,v1;0,\0;1,2 | {} | log.csv
+    """),
 )
 def test_what_cannot_be_read_is_told_in_one_paragraph(tmp_path, content, columns, word):
     with pytest.raises(ResultFileError) as told:
-        read(tmp_path, content, columns)
+        read(tmp_path, content.replace(";", "\n") + "\n", json.loads(columns))
     assert word in str(told.value)
     assert "\n" not in str(told.value)
 

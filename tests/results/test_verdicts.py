@@ -5,51 +5,54 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.results.conftest import build
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.results import tracked
 from wmr_ctrl.results.measures import tracking
 from wmr_ctrl.results.verdicts import CorridorLeft, Outlook, Warning
 
+ROBOT = scenario_of("paper-simulation").robot
+
 
 def keys(run):
     return {item.key for item in run.remarks}
 
 
-def arriving(make_run, duration, x):
+def arriving(duration, x):
     """Rests at the goal from 4 s on; metrics.tolerance is 5 cm."""
-    run = make_run(duration=duration, control=0.1, x=x)
+    run = build(duration=duration, control=0.1, x=x)
     return replace(run, settings=replace(run.settings, arrival=4.0, tolerance=0.05))
 
 
 @pytest.mark.parametrize("duration", [4.0, 5.0, 8.0, 80.0, 800.0])
-def test_a_longer_rest_does_not_hide_an_error_of_the_drive(make_run, duration):
+def test_a_longer_rest_does_not_hide_an_error_of_the_drive(duration):
     t = 0.1 * np.arange(round(10 * duration))
-    run = arriving(make_run, duration, np.where(t < 4.0, 0.06, 0.0))
+    run = arriving(duration, np.where(t < 4.0, 0.06, 0.0))
 
     assert tracking(run)["drive"] == pytest.approx({"position_rms": 0.06, "position_max": 0.06})
     assert tracked(run) is False
     assert "not-tracked" in keys(run)
 
 
-def test_drive_and_end_are_judged_apart_and_the_start_fades(make_run):
+def test_drive_and_end_are_judged_apart_and_the_start_fades():
     t = 0.1 * np.arange(80)
     parted = np.select([t < 2.0, t < 4.0], [0.3, 0.01], 0.07)
-    run = arriving(make_run, 8.0, parted)
+    run = arriving(8.0, parted)
 
     assert tracking(run)["drive"] == pytest.approx({"position_rms": 0.01, "position_max": 0.01})
     assert tracking(run)["end"] == pytest.approx({"position_rms": 0.07, "position_max": 0.07})
     assert tracked(run) is False
-    assert tracking(make_run())["end"] is None
+    assert tracking(build())["end"] is None
     near = np.where(t < 2.0, 0.3, 0.01)
-    assert tracked(arriving(make_run, 8.0, near)) is True
+    assert tracked(arriving(8.0, near)) is True
 
 
 def test_on_a_line_the_motion_needs_friction_half_at_each_wheel():
     """mu m g r/2 at constant speed; 20 % more from the mass on that is added later."""
     line = {"reference.kind": "line", "changes": [{"t": 5.0, "m": 60.0}], "clock.duration": 10.0}
-    run = simulate("paper-simulation", "kanayama", overrides=line)
-    robot = scenario_of("paper-simulation").robot
+    run, robot = simulate("paper-simulation", "kanayama", overrides=line), ROBOT
     torque = robot.mu * robot.m * robot.g * robot.r / 2
 
     assert run.needed[0] == pytest.approx([torque, torque], rel=1e-6)
@@ -58,16 +61,11 @@ def test_on_a_line_the_motion_needs_friction_half_at_each_wheel():
 
 def test_without_friction_the_motion_needs_what_accelerates_it():
     """Both wheels together m v1', their difference I omega'."""
-    free = {
-        "reference.kind": "lemniscate",
-        "reference.size": 2.0,
-        "reference.rate": 0.1,
-        "robot.mu": 0.0,
-        "changes": [],
-        "clock.duration": 1.0,
-    }
-    run = simulate("paper-simulation", "kanayama", overrides=free)
-    robot = scenario_of("paper-simulation").robot
+    free = changes(
+        "reference.kind = 'lemniscate'; reference.size = 2.0; reference.rate = 0.1;"
+        "robot.mu = 0.0; changes = []; clock.duration = 1.0"
+    )
+    run, robot = simulate("paper-simulation", "kanayama", overrides=free), ROBOT
 
     right, left = run.needed.T / robot.r
     assert right + left == pytest.approx(robot.m * run["v1_d_dot"], rel=1e-6)
@@ -83,8 +81,8 @@ def test_gains_for_another_period_are_objected():
     assert "Nothing needs to be done" not in run.explanation
 
 
-def test_a_run_of_an_unknown_law_is_not_said_to_be_checked(make_run):
-    run = make_run(labels={"law": "theirs"})
+def test_a_run_of_an_unknown_law_is_not_said_to_be_checked():
+    run = build(labels={"law": "theirs"})
 
     assert run.outlook is None
     assert "Nothing needs to be done" not in run.explanation
@@ -110,7 +108,7 @@ def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs():
 
 
 def test_what_theory_says_is_a_sentence_with_its_place_and_only_some_of_it_objects():
-    fault, limit = (Warning("law", text, "Eq. (9)", text == "a") for text in "ab")
+    fault, limit = Warning("law", "a", "Eq. (9)"), Warning("law", "b", "Eq. (9)", objects=False)
 
     assert str(fault) == "a [Eq. (9)]"
     assert Outlook(1.0, (fault, limit), exact_pose=True).objections == (fault,)

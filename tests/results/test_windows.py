@@ -30,9 +30,9 @@ SETTINGS = Settings(0.1, 0.01, 8.0, (1.0, 1.5), 4.0)
     b=st.integers(0, 1200),
     control=st.sampled_from([Fraction(1, 100), Fraction(1, 10), Fraction(3, 10)]),
 )
-def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(make_run, a, b, control):
+def test_a_window_holds_the_samples_that_exact_arithmetic_puts_there(a, b, control):
     start, end = Fraction(a, 1000), Fraction(a + b, 1000)
-    run = make_run(duration=float(300 * control), control=float(control))
+    run = build(duration=float(300 * control), control=float(control))
     inside = [k for k in range(300) if start <= k * control < end]
     rows = window(run, float(start), float(end))
 
