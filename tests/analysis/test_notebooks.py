@@ -19,48 +19,34 @@ def cells(path, kind):
     return ["".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == kind]
 
 
-def spoken(text):
-    """Prose without references to equations and to sections."""
-    return re.sub(r"Eqs?\. \([^)]*\)", "", text)
-
-
 def test_the_questions_of_the_analysis_are_all_there():
     assert {name[:2] for name in NAMES} >= {f"{k:02d}" for k in range(1, 9)}
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
-def test_outputs_are_cleared(path):
-    book = json.loads(path.read_text(encoding="utf-8"))
-    code = [cell for cell in book["cells"] if cell["cell_type"] == "code"]
-
-    assert all(not cell["outputs"] and cell["execution_count"] is None for cell in code)
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
 def test_a_notebook_asks_a_question_and_ends_in_facts(path):
-    first, last = cells(path, "markdown")[0], cells(path, "code")[-1]
+    """It begins with its settings, its outputs are cleared, and every figure has a caption."""
+    book = json.loads(path.read_text(encoding="utf-8"))
+    prose, code = cells(path, "markdown"), cells(path, "code")
+    shown = [(c["outputs"], c["execution_count"]) for c in book["cells"] if "outputs" in c]
+    captions = len(re.findall(r"^\*Figure \d", "\n".join(prose), re.M))
 
-    assert "?" in first.splitlines()[0]
-    assert last.count("assert") + last.count("said(") > 5
+    assert shown == [([], None)] * len(code)
+    assert re.match(r'SCENARIO = "[\w-]+"', code[0])
+    assert "\n".join(code).count("plt.show()") == captions > 0
+    assert "?" in prose[0].splitlines()[0]
+    assert code[-1].count("assert") + code[-1].count("said(") > 5
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
 def test_every_decimal_of_the_prose_is_asserted_or_given(path):
     """It is in the cell of facts, or it is a given number that the code itself uses."""
-    prose = spoken("\n".join(cells(path, "markdown")))
+    prose = re.sub(r"Eqs?\. \([^)]*\)", "", "\n".join(cells(path, "markdown")))
     code = "\n".join(cells(path, "code"))
     known = {number.lstrip("+-") for number in re.findall(r"\d+\.\d+", code)}
     missing = {n for n in DECIMAL.findall(prose) if n.lstrip("+-\u2212") not in known}
 
     assert missing == set()
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
-def test_every_figure_has_a_caption(path):
-    figures = sum(source.count("plt.show()") for source in cells(path, "code"))
-    captions = sum(len(re.findall(r"^\*Figure \d", s, re.M)) for s in cells(path, "markdown"))
-
-    assert figures == captions > 0
 
 
 def test_the_index_names_each_notebook_once():
@@ -89,11 +75,6 @@ def test_a_notebook_imports_what_the_index_names_alone(path):
         for name in named:
             inside = {f"`{name}`", f"`{name.rpartition('.')[0]}`"}
             assert name.split(".")[0] in known or any(item in index for item in inside), name
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
-def test_a_notebook_begins_with_its_settings(path):
-    assert re.match(r'SCENARIO = "[\w-]+"', cells(path, "code")[0])
 
 
 WHEELCHAIR = """

@@ -63,9 +63,7 @@ def untyped(tree):
     said = {ast.unparse(node.target): [node.annotation] for node in fields}
     for node in public(tree):
         if isinstance(node, Function):
-            args = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
-            stars = [arg for arg in (node.args.vararg, node.args.kwarg) if arg is not None]
-            said[node.name] = [node.returns, *(arg.annotation for arg in (*args, *stars))]
+            said[node.name] = [node.returns, node.args]
     return [
         name
         for name, notes in said.items()

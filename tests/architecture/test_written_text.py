@@ -38,20 +38,6 @@ def test_no_build_product_or_oversized_text_is_tracked():
     assert [path.name for path in text_files() if path.stat().st_size > LONGEST_TEXT] == []
 
 
-@pytest.mark.parametrize(
-    "text, told",
-    [
-        ("cd /" + "home/me/x", True),
-        ("see '/" + "tmp/venv'", True),
-        ("https://example.org/home/page", False),
-        ("${TMPDIR:-/tmp}/x", False),
-        ("fmu/runtime and ../work/x", False),
-    ],
-)
-def test_the_pattern_tells_machine_paths_from_others(text, told):
-    assert bool(MACHINE_PATH.search(text)) is told
-
-
 def test_cases_that_are_not_slow_are_there(request):
     """A case that no longer has this name, or that is slow by another mark, would be lost."""
     named, run = set(), set()

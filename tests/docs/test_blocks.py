@@ -44,11 +44,11 @@ def named(pages):
 
 def calls(page):
     """Calls of wmr-ctrl in prose and in blocks, each up to a pipe or the end of the line."""
-    in_prose = re.findall(r"`wmr-ctrl ([^`]+)`", page.prose)
+    in_prose = re.findall(r"`wmr-ctrl\s([^`]+)`", page.prose)
     in_blocks = [
         found
         for block in page.blocks
-        for found in re.findall(r"^\$ .*?wmr-ctrl ([^|>&#\n]*)", block.text, re.M)
+        for found in re.findall(r"^(?:\$ .*?)?wmr-ctrl ([^|>&#\n]*)", block.text, re.M)
     ]
     return [" ".join(call.split()) for call in in_prose + in_blocks]
 

@@ -91,15 +91,13 @@ def test_the_live_page_is_written_where_there_is_none(tmp_path, monkeypatch):
     live = pytest.importorskip("live", reason="needs the extra docs")
     app = SimpleNamespace(builder=SimpleNamespace(format="html"), outdir=str(tmp_path))
     page = root.commands["page"]
-    monkeypatch.setattr(page, "callback", lambda out, **_given: Path(out).write_text("drawn"))
-
-    live._finished(app, None)
-    assert (tmp_path / live.NAME).read_text() == "drawn"
     monkeypatch.setattr(page, "callback", lambda **_given: 1 / 0)
-    live._finished(app, None)  # it is there
-    (tmp_path / live.NAME).unlink()
     with pytest.raises(Exception, match=r"wmr-ctrl page failed.*division by zero"):
         live._finished(app, None)
+    monkeypatch.setattr(page, "callback", lambda out, **_given: Path(out).write_text("drawn"))
+    for _ in range(2):
+        live._finished(app, None)
+        assert (tmp_path / live.NAME).read_text() == "drawn"
 
 
 @pytest.mark.slow

@@ -65,7 +65,7 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
 )
 def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, version):
     units = unpacked(what, version, tmp_path)
-    flags = ["-std=c99", *STRICT, "-O1", "-fPIC", "-shared", "-fvisibility=hidden"]
+    flags = ["-std=c99", *STRICT.split(), "-O1", "-fPIC", "-shared", "-fvisibility=hidden"]
     command = [where(compiler), *flags, "-isystem", "standard", "-o", "x.so", *units, "-lm"]
     finished(command, cwd=tmp_path)
 
