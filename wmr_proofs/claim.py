@@ -1,20 +1,24 @@
 """Claim: one line of the ledger before it is checked; a file writes its claims as functions.
 
 The function builds the relations; the first paragraph of its docstring is the claim's wording
-(without its final period), the second its meaning for a robot:
+(without its final period), the second its meaning for a robot, the last its hypotheses, in which a
+name in braces stands for a text of the file:
 
     claim = Claims(by=Z3())
 
-    @claim("guard.anchor", given="2 nbar <= u1")
+    @claim("guard.anchor")
     def anchor(mutation: Mutation) -> Statement:
         '''|clip(0, lo, hi)| <= FB.
 
         The force of least effort is within the brake cap.
+
+        Given: {SIGNS}, 2 nbar <= u1.
         '''
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -100,8 +104,9 @@ class Claims:
     ) -> Callable[[Written], Written]:
         """Decorator that enters a function as the claim ``id`` about these equations of the paper.
 
-        ``given`` are the hypotheses in words, ``by`` a method or a given verdict, ``premises`` ids,
-        ``wording`` the claim if the docstring belongs to another one. ``values`` replace their
+        ``given`` are the hypotheses in words if the docstring has none, ``by`` a method or a given
+        verdict, ``premises`` ids, ``wording`` the claim if the docstring belongs to another one.
+        ``values`` replace their
         names in braces in every text, and in each other, and are passed to the function (and to
         ``by``) if it has such arguments; ``over``: one claim for each of these tables, which may
         have their own ``equations`` and ``each``. ``each``: one claim of several statements, by
@@ -112,7 +117,8 @@ class Claims:
         def enter(function: Written) -> Written:
             for table in over or (values,):
                 text = partial(_filled, values=table)
-                claimed, _, meaning = (function.__doc__ or "").partition("\n\n")
+                claimed, _, rest = (function.__doc__ or "").partition("\n\n")
+                meaning, _, told = rest.partition("Given: ")
                 method = _asked(way, table)() if callable(way) else way
                 engine = method if isinstance(method, Method) else None
                 called: Callable[..., Statement] = _asked(function, table)
@@ -121,8 +127,10 @@ class Claims:
                 self.listed.append(
                     Claim(
                         text(id), table.get("equations", equations), form or self.form,
-                        text(wording or claimed).removesuffix("."), text(meaning or self.meaning),
-                        text(self.given if given is None else given),
+                        text(wording or claimed).removesuffix("."),
+                        text(meaning.strip() or self.meaning),
+                        _filled(told, {**_texts(function), **table}).removesuffix(".")
+                        or text(self.given if given is None else given),
                         called if engine else None, engine, "" if engine else str(method),
                         tuple(text(self.premises if premises is None else premises).split()),
                     )
@@ -157,6 +165,12 @@ def _filled(text: str, values: Mapping[str, Any]) -> str:
     while values and "{" in line:
         line = line.format(**values)
     return line
+
+
+def _texts(function: Callable[..., Any]) -> dict[str, str | int]:
+    """Texts and numbers of the function's file, by name."""
+    return {name: text for name, text in vars(sys.modules[function.__module__]).items()
+            if isinstance(text, str | int)}  # fmt: skip
 
 
 def _asked(function: Callable[..., Any], values: Mapping[str, Any]) -> Callable[..., Any]:

@@ -16,7 +16,7 @@ from wmr_ctrl.results.ledger import Ledger, load
 from wmr_proofs import entry as entries
 from wmr_proofs import prove, runner
 from wmr_proofs.alterations import function_named
-from wmr_proofs.claim import CLAIMED, MUTATED
+from wmr_proofs.claim import CLAIMED, MUTATED, Claims
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import differences, exit_code, stale
 from wmr_proofs.methods.point import judge
@@ -31,6 +31,27 @@ EACH = 24
 def test_ids_are_unique_and_those_of_the_committed_ledger():
     assert len(IDS) == len(set(IDS))
     assert [entry.id for entry in load().entries] == IDS
+
+
+KEPT = "0 <= n <= {LARGEST}"
+LARGEST = 7
+
+
+def test_docstring_has_words_meaning_and_hypotheses():
+    claim = Claims(by="HAND", given="another default")
+
+    @claim("of.{axis}", axis="v")
+    def stated(_):
+        """{axis} <= V.
+
+        The {axis} axis is limited.
+
+        Given: {axis} real; {KEPT}.
+        """
+
+    (found,) = claim.listed
+    assert (found.id, found.claim, found.meaning) == ("of.v", "v <= V", "The v axis is limited.")
+    assert found.hypotheses == "v real; 0 <= n <= 7"
 
 
 def test_each_argument_by_hand_names_its_theorem_and_what_would_break_it():

@@ -74,7 +74,6 @@ def low(mutation: Mutation) -> Statement:
 @claim(
     "authority.upper-{name}",
     (9,),
-    given=PAPER + "; below v_c1 + bound/rho by P5; no gap by authority.links",
     by=of_axis(table.high_points),
     premises="authority.rises authority.links-{name} P5",
     over=AXES,
@@ -85,6 +84,8 @@ def high(mutation: Mutation) -> Statement:
     V1(b)/A(a).
 
     A larger constant disturbance pushes the robot over its limit, whatever the law does.
+
+    Given: {PAPER}; below v_c1 + bound/rho by P5; no gap by authority.links.
     """
     a, v, c, u1, u2 = barrier_axis()
     t = a | symbols("b rho high", "rho")
@@ -124,7 +125,6 @@ def rows_cover(mutation: Mutation) -> Statement:
 @claim(
     "authority.98-{name}",
     (9,),
-    given="V1/A falls with v_c0, so rows bracket what is between them",
     by=of_axis(table.ratio_points),
     premises="authority.falls authority.rows-{name} authority.lower-{name} authority.upper-{name}",
     over=AXES,
@@ -134,6 +134,8 @@ def ratio(mutation: Mutation) -> Statement:
     the upper one.
 
     The bound on the disturbance is known to two per cent for every |v_c0| <= 20.
+
+    Given: V1/A falls with v_c0, so rows bracket what is between them.
     """
     t = symbols("low high")
     return Statement(t, 100 * t.low >= mutation(98, 99) * t.high)
@@ -142,7 +144,6 @@ def ratio(mutation: Mutation) -> Statement:
 @claim(
     "authority.shape",
     (9, 12),
-    given="v_c0 > v_u2 + 1/(v_u1 - v_u2), v > v_u2",
     by=Ring(tuple(axis_case("", "far+", "out+", order) for order in ("<", ">"))),
 )
 def shape(mutation: Mutation) -> Statement:
@@ -150,6 +151,8 @@ def shape(mutation: Mutation) -> Statement:
     with s = (v_u1 - v)/d, d = v_u1 - v_c1, and v_c0 - v_u1 = 1/d - d.
 
     The shape of the barrier's resistance far from the target.
+
+    Given: v_c0 > v_u2 + 1/(v_u1 - v_u2), v > v_u2.
     """
     a, v, c, u1, _ = barrier_axis()
     d = u1 - a.x
@@ -164,7 +167,6 @@ def shape(mutation: Mutation) -> Statement:
 @claim(
     "authority.limit",
     (9,),
-    given="d -> 0 in authority.shape; for s > 0.99 it is below 1 - s by ln t <= t - 1",
     by=Ball(box=LIMIT_BOX, cuts_at=LIMIT_CUTS),
     premises="authority.shape lemma.log",
 )
@@ -173,18 +175,20 @@ def limit(mutation: Mutation) -> Statement:
     0.2163 rho/(v_c0 - v_u1).
 
     Far away, the barrier's authority fades like one over the distance.
+
+    Given: d -> 0 in authority.shape; for s > 0.99 it is below 1 - s by ln t <= t - 1.
     """
     t = symbols("s")
     return Statement(t, mutation(0.2163, 0.2161) >= authority_limit(t.s))
 
 
-@claim(
-    "authority.limit-reached", (9,), given="s = 0.3162", by=Table(points=lambda: (at(s="0.3162"),))
-)
+@claim("authority.limit-reached", (9,), by=Table(points=lambda: (at(s="0.3162"),)))
 def limit_reached(mutation: Mutation) -> Statement:
     """its maximum is at least 0.2161, so the limit is 0.216 rho/(v_c0 - v_u1) to three digits.
 
     The bound is attained.
+
+    Given: s = 0.3162.
     """
     t = symbols("s")
     return Statement(t, authority_limit(t.s) >= mutation(0.2161, 0.2163))

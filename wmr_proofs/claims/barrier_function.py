@@ -91,13 +91,14 @@ def inside(mutation: Mutation) -> Statement:
 @claim(
     "eq18.stationary",
     (18,),
-    given="every 0 < v_u2 < v_u1, |v_c0| beyond v_u2 + 1/(v_u1 - v_u2)",
     by=Ring(FAR),
 )
 def stationary(mutation: Mutation) -> Statement:
     """beyond v_u2 + 1/(v_u1 - v_u2) the root of (18) solves |v_c1| + 1/(v_u1 - |v_c1|) = |v_c0|.
 
     The formula with the root is right.
+
+    Given: every 0 < v_u2 < v_u1, |v_c0| beyond v_u2 + 1/(v_u1 - v_u2).
     """
     a, _, c, u1, _ = barrier_axis()
     size = abs(a.x)
@@ -148,12 +149,14 @@ def zero_at_target(mutation: Mutation) -> Statement:
     return a.states(barrier.lyapunov(mutation * a.x, c, u1, u2) == 0)
 
 
-@claim("eq79.printed", (79,), given="every v_c0", by=Refute(IN_R2))
+@claim("eq79.printed", (79,), by=Refute(IN_R2))
 def flat_at_target(mutation: Mutation) -> Statement:
     """dV1i/dv = 0 at v = v_c1.
 
     False in the middle region: there the barrier function has a corner at the target, like |v -
     v_u2|.
+
+    Given: every v_c0.
     """
     a, _, c, u1, u2 = barrier_axis()
     return a.states(barrier.a_term(a.x, mutation * c, u1, u2) == 0)
@@ -163,13 +166,14 @@ def flat_at_target(mutation: Mutation) -> Statement:
     "eq79",
     (79,),
     form=CORRECTED,
-    given="|v_c0| < v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2)",
     by=Ring(SMOOTH),
 )
 def eq79(mutation: Mutation) -> Statement:
     """dV1i/dv = 0 at v = v_c1 for |v_c0| < v_u2 and beyond v_u2 + 1/(v_u1 - v_u2).
 
     Outside the middle region the barrier function is smooth at the target.
+
+    Given: |v_c0| < v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2).
     """
     return flat_at_target(mutation)
 

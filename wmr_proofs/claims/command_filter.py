@@ -62,12 +62,14 @@ class FilterAxis(Named):
         return e > 0, e < 1, between(e, E, 1), ratio
 
 
-@claim("filter.drive", given=ANY_SIDE)
+@claim("filter.drive")
 def driven(mutation: Mutation) -> Statement:
     """K u + d <= drive(u) <= max(K_max u, 0) + dbar, and the same of -u and drive_back(u), for
     every u.
 
     The speed towards which a command can drive the base, gain and push at their worst.
+
+    Given: {ANY_SIDE}.
     """
     a = FilterAxis()
     inside = between(a.K_min, a.K, a.K_max)
@@ -86,14 +88,15 @@ def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
 
 @claim(
     "filter.inside",
-    given=f"{ANY_SIDE}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with "
-    "e = exp(-H/tau_min), kappa = e/(1 - e)",
 )
 def inside(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= V.
 
     A command that takes over at a speed of at most v_bar never drives the base past its limit, for
     as long as it may act.
+
+    Given: {ANY_SIDE}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with e =
+    exp(-H/tau_min), kappa = e/(1 - e).
     """
     a = FilterAxis()
     b, E = a.bounds, a.E
@@ -103,11 +106,13 @@ def inside(mutation: Mutation) -> Statement:
     return Statement(a, goal, (admits(a.bounds), a.relaxing, known, sent))
 
 
-@claim("filter.contains-clip", given=f"{ANY_SIDE}; v_bar <= V, kappa >= 0")
+@claim("filter.contains-clip")
 def contains_clip(mutation: Mutation) -> Statement:
     """hi(v_bar) >= (V - dbar)/K_max >= 0, and hi(V) is that.
 
     The governor is never stricter than the clip, and never refuses to stop: 0 is always safe.
+
+    Given: {ANY_SIDE}; v_bar <= V, kappa >= 0.
     """
     a = FilterAxis()
     b = a.bounds
@@ -119,13 +124,14 @@ def contains_clip(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.necessary",
-    given=f"{ANY_SIDE}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min), kappa = e/(1 - e)",
 )
 def necessary(mutation: Mutation) -> Statement:
     """e v_bar + (1 - e)(K_max u + dbar) > V.
 
     No larger command is safe for the base with the largest gain, the smallest time constant and the
     largest push.
+
+    Given: {ANY_SIDE}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min), kappa = e/(1 - e).
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
@@ -136,27 +142,31 @@ def necessary(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.estimate",
-    given="v <= w, mean <= target, 0 <= least <= share <= most <= 1 (least = 1 - exp(-t/tau_max), "
-    "most = 1 - exp(-t/tau_min))",
 )
 def estimate(mutation: Mutation) -> Statement:
     """v + share (mean - v) <= relaxed(w, target).
 
     The bound on the speed that is carried from sample to sample remains a bound.
+
+    Given: v <= w, mean <= target, 0 <= least <= share <= most <= 1 (least = 1 - exp(-t/tau_max),
+    most = 1 - exp(-t/tau_min)).
     """
     t = symbols("v w mean target least share most")
-    bounds = t.w >= t.v, t.target >= t.mean, t.least >= 0
-    shares = between(mutation(1, 0.9) * t.least, t.share, t.most), t.most <= 1
-    end = governor.relaxed(t.w, t.target, t.most, t.least)
-    goal = end >= t.v + t.share * (t.mean - t.v)
+    v, w, mean, target, least, share, most = t.values()
+    bounds = w >= v, target >= mean, least >= 0
+    shares = between(mutation(1, 0.9) * least, share, most), most <= 1
+    end = governor.relaxed(w, target, most, least)
+    goal = end >= v + share * (mean - v)
     return Statement(t, goal, (bounds, shares))
 
 
-@claim("filter.curvature", given="lo_i < 0 < hi_i; both axes' commands r_i of any size")
+@claim("filter.curvature")
 def curvature(mutation: Mutation) -> Statement:
     """0 < eta <= 1 and lo_i <= eta r_i <= hi_i with eta the smaller of both axes' shares.
 
     One factor scales both axes, so omega/v stays as asked for.
+
+    Given: lo_i < 0 < hi_i; both axes' commands r_i of any size.
     """
     t = symbols("r1 lo1 hi1 r2 lo2 hi2")
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))

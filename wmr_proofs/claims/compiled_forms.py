@@ -99,11 +99,13 @@ def q(mutation: Mutation) -> Statement:
     return a.states(a.stable.q * a.A == mutation * a.w)
 
 
-@claim("forms.closed", (15,), given="0.05 <= |y|, y < 1", by=Ring(BEYOND, CLOSED_FORM))
+@claim("forms.closed", (15,), by=Ring(BEYOND, CLOSED_FORM))
 def closed_slope(mutation: Mutation) -> Statement:
     """for |y| >= 0.05 the derivative of the compiled y chi(y) is that of phi(y) = -ln(1 - y) - y.
 
     The closed form is the logarithm of the paper.
+
+    Given: 0.05 <= |y|, y < 1.
     """
     t = symbols("y")
     y = t.y
@@ -113,7 +115,6 @@ def closed_slope(mutation: Mutation) -> Statement:
 @claim(
     "forms.series",
     (15,),
-    given="0 < |y| < 0.05, coefficients as the doubles that they are",
     by=Ring((_within(1), _within(-1))),
     premises="lemma.integration",
 )
@@ -123,6 +124,8 @@ def series_slope(mutation: Mutation) -> Statement:
 
     Where the logarithm would lose digits a series replaces it; the two cannot be told apart in
     double precision.
+
+    Given: 0 < |y| < 0.05, coefficients as the doubles that they are.
     """
     t = symbols("y")
     y = t.y
@@ -160,7 +163,6 @@ def smooth_value(mutation: Mutation) -> Statement:
 
 @smooth_claim(
     "smooth.convex",
-    given="every 0 < v_u2 < v_u1, |v| and |y| < v_u1; |v| = v_u2 left out",
     by=Ring(TANGENTS, log_lemma=True),
     premises="lemma.log",
 )
@@ -168,6 +170,8 @@ def above_tangent(mutation: Mutation) -> Statement:
     """smooth barrier: f(y) >= f(v) + f'(v) (y - v).
 
     The smooth barrier function lies above each of its tangents.
+
+    Given: every 0 < v_u2 < v_u1, |v| and |y| < v_u1; |v| = v_u2 left out.
     """
     t = symbols("y v u1 u2", "u1 u2")
     y, v, u1, u2 = t.values()

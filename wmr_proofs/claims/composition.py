@@ -41,11 +41,13 @@ MOTIONS = ({"kind": "circle", "more": DIRECTION}, {"kind": "line", "more": ""})
 claim = Claims(by=Z3())
 
 
-@claim("law.mass", (4,), given="any values", by=Ring())
+@claim("law.mass", (4,), by=Ring())
 def believed(mutation: Mutation) -> Statement:
     """the inertia that a law believes in is diag(model.m, model.I).
 
     This is the M of the entries about laws.
+
+    Given: any values.
     """
     law = LawGraph("mb")
     mass, t = law.own(law.context.mass), law.symbols
@@ -64,12 +66,14 @@ def eq18_rate(mutation: Mutation) -> Statement:
     return Statement(t, rate == mutation * ca.gradient(a.x, c) * t.cdot)
 
 
-@claim("reference.{kind}", given="rates and radius > 0{more}", by=POSITIVE_RATES, over=MOTIONS)
+@claim("reference.{kind}", by=POSITIVE_RATES, over=MOTIONS)
 def motion(mutation: Mutation, kind: str) -> Statement:
     """{kind}: x_d'^2 + y_d'^2 = v1d^2, x_d' y_d'' - y_d' x_d'' = v1d^2 v2d, theta_d' = v2d, and the
     published rates are the derivatives of v1d and v2d.
 
     The desired motion is one that the robot could make.
+
+    Given: rates and radius > 0{more}.
     """
     names = {"circle": "t ref_radius ref_rate", "line": "t ref_speed ref_heading x0 y0"}[kind]
     t = symbols(names, names.removeprefix("t "))
@@ -86,11 +90,13 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     return Statement(t, goals)
 
 
-@claim("estimator.pose", given="any values", by=Ring())
+@claim("estimator.pose", by=Ring())
 def estimator_pose(mutation: Mutation) -> Statement:
     """estimate = gain measured + (1 - gain) (old estimate moved by the old velocity).
 
     Dead reckoning: a whole correction takes the sensor's pose, none keeps moving.
+
+    Given: any values.
     """
     names = "x y theta v omega x_m y_m theta_m period gain"
     t = symbols(names, names)
@@ -106,11 +112,13 @@ MOST = 5
 prediction_claim = Claims(by=Z3())
 
 
-@prediction_claim("prediction.times", given=f"0 <= delay <= {MOST} T; up to {MOST} commands")
+@prediction_claim("prediction.times")
 def prediction_times(mutation: Mutation) -> Statement:
     """tau_1 + ... + tau_n = delay, 0 <= tau_j <= T, n = 5.
 
     Over its delay the law counts on each command under way for as long as it acts.
+
+    Given: 0 <= delay <= {MOST} T; up to {MOST} commands.
     """
     t = symbols("delay period")
     delay, period = t.delay, t.period
@@ -133,11 +141,13 @@ def oldest_first(mutation: Mutation) -> Statement:
     return Statement(t, goals, (delay >= 0, period > 0))
 
 
-@prediction_claim("prediction.friction", given="F1(u) u >= 0")
+@prediction_claim("prediction.friction")
 def friction(mutation: Mutation) -> Statement:
     """v+ has the sign of u, |v+| <= |u|, and v+ = u - t F1(u)/M while that is smaller than u.
 
     In the prediction friction slows the robot down and never turns it round.
+
+    Given: F1(u) u >= 0.
     """
     t = symbols("free taken")
     free, taken = t.free, t.taken
@@ -153,13 +163,14 @@ piece_claim = Claims(by=Z3())
 
 @piece_claim(
     "guard.lemma.piece",
-    given="v linear over the piece: friction f, push d and F constant; v on one side of f_speed, f "
-    ">= f_min above it, |d| <= dbar, M >= M_min > 0",
 )
 def lemma_piece(mutation: Mutation) -> Statement:
     """max(v, f_speed) rises by at most t max(F + dbar - f_min, 0)/M_min over a piece of time t.
 
     guard.lemma for motions in pieces; its integrals are the limit of these.
+
+    Given: v linear over the piece: friction f, push d and F constant; v on one side of f_speed, f
+    >= f_min above it, |d| <= dbar, M >= M_min > 0.
     """
     a, t = GuardAxis(), symbols("end drag push")
     v, end, edge = a.v, t.end, a.f_speed
@@ -174,13 +185,14 @@ def lemma_piece(mutation: Mutation) -> Statement:
 
 @piece_claim(
     "guard.delay.step",
-    given="guard.lemma over the piece; it acts for 0 <= s <= tau, M >= M_min > 0",
 )
 def delay_step(mutation: Mutation) -> Statement:
     """v+ is at most y + nbar or f_speed, and what the commands before have added: after the next
     one it is at most that and tau max(F + net, 0)/M_min more, as the guard sums it; so is -v.
 
     One step of the sum over commands under way, for whatever was summed before.
+
+    Given: guard.lemma over the piece; it acts for 0 <= s <= tau, M >= M_min > 0.
     """
     a = GuardAxis(DELAYED)
     more, goals = only(a), []
@@ -195,14 +207,15 @@ def delay_step(mutation: Mutation) -> Statement:
 
 @piece_claim(
     "guard.late.mean-piece",
-    given="a window of two periods, v linear in each: y is (v_0 + 2 v_1 + v_2)/4 to within nbar; "
-    "guard.lemma over each period",
 )
 def mean_piece(mutation: Mutation) -> Statement:
     """v+ now is at most what the guard counts from y with the commands of both periods, in the mean
     and from rest; so is -v.
 
     guard.late.mean for motions in pieces; its integrals are the limit of these.
+
+    Given: a window of two periods, v linear in each: y is (v_0 + 2 v_1 + v_2)/4 to within nbar;
+    guard.lemma over each period.
     """
     a, t = GuardAxis(DELAYED), symbols("v0 v1 v2")
     b, v = a.bounds, [*t.values()]
@@ -222,12 +235,14 @@ def mean_piece(mutation: Mutation) -> Statement:
     return Statement(a | t, goals, given)
 
 
-@piece_claim("guard.late.convex", given="0 <= w <= 1; any two forces, any dbar - f_min")
+@piece_claim("guard.late.convex")
 def convex(mutation: Mutation) -> Statement:
     """p(w F + (1 - w) F') <= w p(F) + (1 - w) p(F'), p what the guard counts of a force; either
     way.
 
     Jensen's inequality of two forces, and so of any weights on finitely many.
+
+    Given: 0 <= w <= 1; any two forces, any dbar - f_min.
     """
     a, w = GuardAxis(DELAYED), ca.SX.sym("w")
     forces, goals = (a.sent, a.other), []
@@ -244,11 +259,13 @@ def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relations:
     return ca.substitute(value, t, ca.SX(where)) == 0
 
 
-@piece_claim("lemma.log", (15,), given="t > 0", by=Z3(), premises="lemma.integration")
+@piece_claim("lemma.log", (15,), by=Z3(), premises="lemma.integration")
 def logarithm(mutation: Mutation) -> Statement:
     """ln t <= t - 1: the difference is 0 at t = 1, and its derivative has the sign of t - 1.
 
     The one fact about the logarithm that the exact algebra uses.
+
+    Given: t > 0.
     """
     t = ca.SX.sym("t")
     gap = t - 1 - mutation(1, 2) * ca.log(t)
@@ -259,7 +276,6 @@ def logarithm(mutation: Mutation) -> Statement:
 @piece_claim(
     "lemma.sine",
     (40, 46, 55),
-    given="sin t >= 0 for 0 <= t <= pi",
     by=Z3(),
     premises="lemma.integration",
 )
@@ -269,6 +285,8 @@ def sine(mutation: Mutation) -> Statement:
     derivative n/t^2, n = t cos t - sin t, and n does not rise from 0 on; each is 0 at 0.
 
     What the window argument uses about the angle.
+
+    Given: sin t >= 0 for 0 <= t <= pi.
     """
     names = symbols("t")
     t = names.t

@@ -44,31 +44,36 @@ SCALES = {
 """How a filter brings a command within its limits, and the speeds that it limits."""
 
 
-@claim("corridor.filter", given="limits and l > 1e-29", each=SCALES)
+@claim("corridor.filter", each=SCALES)
 def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     """A command of which no limited speed is beyond its limit is sent as it is, whether the filter
     limits axes and wheels, wheels alone, or with each axis its own factor axes alone; and whether
     it has one factor, turns first or drives first.
 
     On this condition the base gets what the law asks for.
+
+    Given: limits and l > 1e-29.
     """
     t = symbols("v omega l A B C", "l A B C")
+    v, omega, l, A, B, C = t.values()
     axes = [Channel((1 - i, i), ca.SX(1), (NOTHING,), NO_SIZE) for i in (0, 1)] * ("axes" in kinds)
-    wheels = [Channel((1, way), t.l, (NOTHING,), NO_SIZE) for way in WAYS] * ("wheels" in kinds)
-    most = [t.A, t.B] * ("axes" in kinds) + [t.C, t.C] * ("wheels" in kinds)
-    channels, asked = [*axes, *wheels], (t.v, t.omega)
+    wheels = [Channel((1, way), l, (NOTHING,), NO_SIZE) for way in WAYS] * ("wheels" in kinds)
+    most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
+    channels, asked = [*axes, *wheels], (v, omega)
     sent = scaled(asked, channels, [-item for item in most], most, scale)
-    given = [item > 1e-29 for item in (t.l, t.A, t.B, t.C)]
+    given = [item > 1e-29 for item in (l, A, B, C)]
     for channel, size in zip(channels, most, strict=True):
         given.append(mutation(1, 2) * size >= abs(channel.of(asked)))
     return Statement(t, every(sent, ca.vertcat(*asked)), given)
 
 
-@claim("corridor.dead-band", given="any size >= 0")
+@claim("corridor.dead-band")
 def dead_band(mutation: Mutation) -> Statement:
     """a command behind the dead band is off by at most its size, and by nothing where it is larger.
 
     What the dead band does counts as an error of the command.
+
+    Given: any size >= 0.
     """
     g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, {"base.deadband": [0.01, 0.01]})
     goals, most = list[Relations](), g.bound("dropped")
@@ -80,11 +85,13 @@ def dead_band(mutation: Mutation) -> Statement:
     return g.states(goals, given=nonnegative(*ca.vertsplit(g.column("base.deadband"))))
 
 
-@claim("corridor.wheel-speed", given="r, l, w_max > 0")
+@claim("corridor.wheel-speed")
 def wheel_speed(mutation: Mutation) -> Statement:
     """|v + l omega|, |v - l omega| <= r w_max imply that the firmware leaves the command as it is.
 
     On this condition no wheel's speed is clipped.
+
+    Given: r, l, w_max > 0.
     """
     g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, {"base.w_max": 10.0})
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
@@ -94,11 +101,13 @@ def wheel_speed(mutation: Mutation) -> Statement:
     return g.states(every(g.system.y, g.system.u), given=given)
 
 
-@claim("corridor.pi-loop", given="r, l, tau_max > 0; no wheel is at its torque limit")
+@claim("corridor.pi-loop")
 def pi_loop(mutation: Mutation) -> Statement:
     """the PI loop whose integral may rest does what the one does whose integral never rests.
 
     Without a torque limit that acts, the certificate may take the loop for a linear one.
+
+    Given: r, l, tau_max > 0; no wheel is at its torque limit.
     """
     loops = ({"base.loop": "pi", "base.antiwindup": resting} for resting in (True, False))
     g, plain = (EffectGraph(speed_loops.SPEED_LOOP, numbers) for numbers in loops)
@@ -113,9 +122,6 @@ def pi_loop(mutation: Mutation) -> Statement:
 
 @claim(
     "corridor.guard-late",
-    given="M_min, M_max, T, alpha, u1, delay > 0, S = M_min alpha, net >= 0; ahead, back, and what "
-    "the last command adds to them until the new one is sure to act: a >= 0, 0 without jitter; c = "
-    "1 + alpha J >= 1",
     each={"constant": {"jitters": False}, "jitter": {"jitters": True}},
 )
 def late_guard(mutation: Mutation, jitters: bool) -> Statement:
@@ -125,6 +131,10 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     with jitter.
 
     On these conditions the law drives as if there were no guard, though commands are late.
+
+    Given: M_min, M_max, T, alpha, u1, delay > 0, S = M_min alpha, net >= 0; ahead, back, and what
+    the last command adds to them until the new one is sure to act: a >= 0, 0 without jitter; c = 1
+    + alpha J >= 1.
     """
     t = symbols(f"{NUMBERS} y force J delay mixed ahead back a_ahead a_back slope stretch braking "
                 "largest", f"{NUMBERS} J delay mixed slope stretch braking largest")  # fmt: skip
@@ -157,12 +167,14 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     return Statement(t, goals, given, cuts)
 
 
-@claim("corridor.guard-sums", given="M_min, T > 0, tau_j >= 0; |F_j| <= N, N >= net")
+@claim("corridor.guard-sums")
 def late_sums(mutation: Mutation) -> Statement:
     """what two commands that may act for tau_j count for is at most sum tau_j (F_j + N)/M_min ahead
     and sum tau_j (N - F_j)/M_min back; of a piece in which either may act, with one of the two.
 
     So what the guard counts is linear in the commands, and an output of the loop.
+
+    Given: M_min, T > 0, tau_j >= 0; |F_j| <= N, N >= net.
     """
     t = symbols(f"{NUMBERS} F1 F2 N t1 t2", f"{NUMBERS} t1 t2")
     b = Bounds(**{name: t[name] for name in NUMBERS.split()})
@@ -181,14 +193,15 @@ def late_sums(mutation: Mutation) -> Statement:
 
 @claim(
     "corridor.jitter",
-    given="jitter a multiple of h, h > 0; each time drawn within it; what waits is the command "
-    "that arrived last, and what acts is it or the one before, it from the time drawn for it on",
 )
 def overtaken(mutation: Mutation) -> Statement:
     """what acts is the command that arrived last or the one before it, and what is given is so
     again in the next plant step.
 
     Drives with jitter let one of the last two commands act, never an older one.
+
+    Given: jitter a multiple of h, h > 0; each time drawn within it; what waits is the command that
+    arrived last, and what acts is it or the one before, it from the time drawn for it on.
     """
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free | symbols("older")
@@ -209,12 +222,14 @@ def overtaken(mutation: Mutation) -> Statement:
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
-@claim("corridor.ramp", given="h, a > 0; a at most accel and decel")
+@claim("corridor.ramp")
 def ramped(mutation: Mutation) -> Statement:
     """a ramp leads towards its goal and not past it, in a plant step by a h or all that is left,
     or as far as 0 where it has to turn round.
 
     On the way from one command to the next what acts lies between them, and is there in time.
+
+    Given: h, a > 0; a at most accel and decel.
     """
     g = EffectGraph(command_ramp.COMMAND_RAMP, {"base.accel": [1.0, 1.0]})
     a, goals = symbols("a", "a"), list[Relations]()
@@ -232,12 +247,14 @@ def ramped(mutation: Mutation) -> Statement:
     return g.states(goals, given=(positive(h, a["a"]), given), more=a)
 
 
-@claim("corridor.reckoning", given="two poses, the second off by (dx, dy, b); one velocity")
+@claim("corridor.reckoning")
 def reckoning(mutation: Mutation) -> Statement:
     """after a period of dead reckoning the second is off by b as before, and in its position by
     what it was and T v times the difference of both directions.
 
     A reckoned pose that began off the true one goes on being off so, and turns no further away.
+
+    Given: two poses, the second off by (dx, dy, b); one velocity.
     """
     t = symbols("x y theta dx dy b v omega T s c s_off c_off")
     there, off = ca.vertcat(t.x, t.y, t.theta), ca.vertcat(t.dx, t.dy, t.b)

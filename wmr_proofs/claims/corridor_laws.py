@@ -26,7 +26,6 @@ claim = Claims(by=Z3())
 
 @claim(
     "corridor.prox",
-    given="0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1; v* = v + c_m - c",
     premises="transport.plain prox.linear",
     each=EITHER_BARRIER,
 )
@@ -35,6 +34,8 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     with either barrier.
 
     Away from the limits the step is a mixture of where the velocity is carried and the target.
+
+    Given: 0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1; v* = v + c_m - c.
     """
     s = Step(smooth)
     t, carried = s.inputs, s.free.carried
@@ -45,25 +46,30 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     return s.states((s.end == mutation(after, after + carried),), given, ("carried",))
 
 
-@claim("corridor.mb", given="0 < v_u2 < v_u1, v_u2 < 1e100", each=EITHER_BARRIER)
+@claim("corridor.mb", each=EITHER_BARRIER)
 def mb(mutation: Mutation, smooth: bool) -> Statement:
     """|v|, |v_c0| <= v_u2 imply that V1/A = (v - v_c0)/2 and q = 1; with either barrier.
 
     Away from the limits the barrier adds nothing to the model-based law.
+
+    Given: 0 < v_u2 < v_u1, v_u2 < 1e100.
     """
     t = symbols("v c u1 u2", "u1 u2")
-    barrier = (smooth_barrier if smooth else stable_barrier)(t.c, t.v, t.u1, t.u2)
-    near = [mutation(1, 2) * t.u2 >= abs(item) for item in (t.v, t.c)]
-    given = t.u2 > 0, t.u1 > t.u2, t.u2 < 1e100, near
-    goals = 2 * barrier.V1_over_A == t.v - t.c, barrier.q == 1
+    v, c, u1, u2 = t.values()
+    barrier = (smooth_barrier if smooth else stable_barrier)(c, v, u1, u2)
+    near = [mutation(1, 2) * u2 >= abs(item) for item in (v, c)]
+    given = u2 > 0, u1 > u2, u2 < 1e100, near
+    goals = 2 * barrier.V1_over_A == v - c, barrier.q == 1
     return Statement(t, goals, given)
 
 
-@claim("corridor.kanayama", given="every limit >= 0")
+@claim("corridor.kanayama")
 def kanayama(mutation: Mutation) -> Statement:
     """|value| <= limit on both axes implies that the clip leaves the value as it is.
 
     Within its limits the command is not clipped.
+
+    Given: every limit >= 0.
     """
     t = symbols("a b A B", "A B")
     values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
@@ -74,14 +80,15 @@ def kanayama(mutation: Mutation) -> Statement:
 
 @claim(
     "corridor.guard",
-    given="no late command; M_min, M_max, T, alpha, u1 > 0, nbar, f_speed, brake >= 0, dbar >= "
-    "f_min",
 )
 def guard(mutation: Mutation) -> Statement:
     """With S = M_min alpha: |F + S y|, |S y| <= S (u1 - nbar) - net, |F| <= S (u1 - f_speed) - net
     imply that the guard leaves F as it is, and that its safe point is 0.
 
     On these conditions the law drives as if there were no guard.
+
+    Given: no late command; M_min, M_max, T, alpha, u1 > 0, nbar, f_speed, brake >= 0, dbar >=
+    f_min.
     """
     t = symbols(f"{NUMBERS} y force", NUMBERS)
     bounds = Bounds(**{name: t[name] for name in NUMBERS.split()})
@@ -97,13 +104,14 @@ def guard(mutation: Mutation) -> Statement:
 
 @claim(
     "corridor.wheels",
-    given="r, l, tau_max > 0; the guard's safe point is 0, as it is without a guard",
     each={"linear-first": {"key": "linear-first"}, "rotation-first": {"key": "rotation-first"}},
 )
 def wheels(mutation: Mutation, key: str) -> Statement:
     """Torques within tau_max on both wheels imply that either map leaves the force as it is.
 
     On this condition the wheels' limit does not act.
+
+    Given: r, l, tau_max > 0; the guard's safe point is 0, as it is without a guard.
     """
     t = symbols("force moment r half tau", "r half tau")
     force = ca.vertcat(t.force, t.moment)
@@ -114,15 +122,18 @@ def wheels(mutation: Mutation, key: str) -> Statement:
     return Statement(t, every(mapped, force), (positive(t.r, t.half, t.tau), weak))
 
 
-@claim("corridor.product", given="ratio > 0")
+@claim("corridor.product")
 def product(mutation: Mutation) -> Statement:
     """|a + ratio b| <= P and |a - ratio b| <= Q imply 4 ratio |a b| <= max(P^2, Q^2).
 
     The largest product of two errors follows from how large sums of them get.
+
+    Given: ratio > 0.
     """
     t = symbols("a b P Q ratio", "P Q ratio")
-    sums = (t.a + t.ratio * t.b, t.a - t.ratio * t.b)
-    given = t.ratio > 0, abs(sums[0]) <= t.P, abs(sums[1]) <= t.Q
-    largest = ca.fmax(t.P * t.P, t.Q * t.Q)
-    size = mutation(4, 5) * t.ratio * abs(t.a * t.b)
+    a, b, P, Q, ratio = t.values()
+    sums = (a + ratio * b, a - ratio * b)
+    given = ratio > 0, abs(sums[0]) <= P, abs(sums[1]) <= Q
+    largest = ca.fmax(P * P, Q * Q)
+    size = mutation(4, 5) * ratio * abs(a * b)
     return Statement(t, largest >= size, given)

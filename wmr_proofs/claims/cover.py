@@ -53,17 +53,23 @@ WHY = "The claims are shown region by region, and no region is left out."
 claim = Claims(by=Z3(), meaning=WHY)
 
 
-@claim("cover.{key}", given="0 < v_u2 < v_u1", over=LISTS)
+@claim("cover.{key}", over=LISTS)
 def covered(mutation: Mutation, names: tuple[str, ...], index: int) -> Statement:
-    """the {number} regions and boundaries of {of} together cover {all}."""
+    """the {number} regions and boundaries of {of} together cover {all}.
+
+    Given: 0 < v_u2 < v_u1.
+    """
     a, _, _, u1, u2 = barrier_axis()
     hits = (_member(a.all[index], name, u2, u1 - u2) for name in mutation(names, names[1:]))
     return a.states(ca.if_else(reduce(ca.logic_or, hits), 1, 0) > 0, given=a.inside)
 
 
-@claim("cover.charts", (15, 18), given="v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y)")
+@claim("cover.charts", (15, 18))
 def charted(mutation: Mutation) -> Statement:
-    """each chart of a bounded region covers all of it."""
+    """each chart of a bounded region covers all of it.
+
+    Given: v_u2 > 0, b = v_u1 - v_u2 > 0, 0 < y < 1, n = y/(1 - y).
+    """
     t = symbols("y u2 b")
     y, u2, b = t.values()
     n = y / (1 - y)
@@ -88,10 +94,12 @@ def reached(mutation: Mutation) -> Statement:
 @claim(
     "cover.far",
     (18,),
-    given="0 < v_u2 < v_u1, v_c0 > v_u2 + 1/(v_u1 - v_u2); mirrored for v_c0 < 0",
 )
 def far_reached(mutation: Mutation) -> Statement:
-    """beyond v_u2 + 1/b every v_c0 is u1 - d + 1/d at a gap d between 0 and b."""
+    """beyond v_u2 + 1/b every v_c0 is u1 - d + 1/d at a gap d between 0 and b.
+
+    Given: 0 < v_u2 < v_u1, v_c0 > v_u2 + 1/(v_u1 - v_u2); mirrored for v_c0 < 0.
+    """
     # For |v_c0| > v_u2 + 1/b the gap d of the compiled formula lies in (0, b), and the chart at it
     # gives v_c0 back: target_value("far+") with d = b/(1 + j).
     a, _, c, u1, u2 = barrier_axis()
@@ -101,11 +109,12 @@ def far_reached(mutation: Mutation) -> Statement:
     return a.states(goals, given=(a.inside, (c - u2) * b > 1, c > u2 + 1 / b))
 
 
-@claim(
-    "cover.beyond", given="0 < v_u2 < v_u1 = v_u2 + b, v_u2 < v_c0 < 1e100; mirrored for v_c0 < 0"
-)
+@claim("cover.beyond")
 def beyond_reached(mutation: Mutation) -> Statement:
-    """smooth barrier: beyond v_u2 every v_c0 is u1 - d + 1/d - 1/b at a gap d between 0 and b."""
+    """smooth barrier: beyond v_u2 every v_c0 is u1 - d + 1/d - 1/b at a gap d between 0 and b.
+
+    Given: 0 < v_u2 < v_u1 = v_u2 + b, v_u2 < v_c0 < 1e100; mirrored for v_c0 < 0.
+    """
     # The same beyond v_u2 for the smooth barrier: target_value("beyond+") with d = b/(1 + j).
     a, v, c, u1, u2 = barrier_axis()
     b, d = u1 - u2, SmoothAxis(c, v, u1, u2).d
@@ -113,10 +122,12 @@ def beyond_reached(mutation: Mutation) -> Statement:
     return a.states(goals, given=(a.inside, c > u2, c < 1e100))
 
 
-@claim("cover.order", (15, 18), given="i, j > 0")
+@claim("cover.order", (15, 18))
 def ordered(mutation: Mutation) -> Statement:
     """where |v| and |v_c1| share an interval, one of the three orders holds, and each has its
     chart.
+
+    Given: i, j > 0.
     """
     t = symbols("i j")
     i, j = t.values()

@@ -19,14 +19,15 @@ claim = Claims(by=Z3())
 
 @claim(
     "world.lag.stepped",
-    given="e = exp(-h/tau_min); tau_min <= tau <= b, exponentials as symbols with exp(-h/a) <= "
-    "exp(-h/tau_min) <= exp(-h/tau) <= exp(-h/b) < 1 and h <= b (exp(h/b) - 1)",
 )
 def held(mutation: Mutation) -> Statement:
     """a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises with a
     = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b].
 
     A lag computed in plant steps counts as one with a slightly smaller time constant.
+
+    Given: e = exp(-h/tau_min); tau_min <= tau <= b, exponentials as symbols with exp(-h/a) <=
+    exp(-h/tau_min) <= exp(-h/tau) <= exp(-h/b) < 1 and h <= b (exp(h/b) - 1).
     """
     # One plant step of the lag that holds its value, and Z that the guard follows.
     t = symbols("z p step share growth b between least falls rises")
@@ -46,14 +47,15 @@ def held(mutation: Mutation) -> Statement:
 
 @claim(
     "world.lag.applied",
-    given="0 < e < 1 for e = exp(-h/lag); four plant steps in a period, delay of one period "
-    "and three steps",
 )
 def applied(mutation: Mutation) -> Statement:
     """the torque that laws are told was applied is the mean of what acted in the plant steps of the
     sample behind delay and lag, and what acts at its end is the drives' own.
 
     The observer and the monitor use the torque that the simulated drives produced.
+
+    Given: 0 < e < 1 for e = exp(-h/lag); four plant steps in a period, delay of one period and
+    three steps.
     """
     t, steps, part = symbols("newest older oldest acting e"), 4, 3
     newest, older, oldest, acting, e = t.values()
@@ -72,13 +74,15 @@ TIMES = (
 )
 
 
-@claim("world.lag.bound", given=f"{TIMES}: larger where lag' is smaller, exp(x) - 1 >= x")
+@claim("world.lag.bound")
 def lag_bound(mutation: Mutation) -> Statement:
     """on the drives' own graph a share exp(-h/tau) of the acting torque is left after a step, tau =
     lag (1 + spread x), |x| <= 1, which is at most the upper time constant in their bound, and
     h/(exp(h/tau) - 1) of it at least the lower one.
 
     What drives of a lag that varies add to the guard's numbers (world.lag.stepped has the rest).
+
+    Given: {TIMES}: larger where lag' is smaller, exp(x) - 1 >= x.
     """
     numbers = {"actuator.lag": 0.02, "actuator.lag_spread": 0.2}
     g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth decay")
@@ -98,12 +102,14 @@ def lag_bound(mutation: Mutation) -> Statement:
     return g.states(goals, given=given, cuts=cuts, more=t)
 
 
-@claim("world.lag.constant", given="lag > 0, spread = 0")
+@claim("world.lag.constant")
 def constant_lag(mutation: Mutation) -> Statement:
     """both time constants that the bound of a lag without spread tells are the lag of the drives'
     own graph, of which exp(-h/lag) is left in a step.
 
     What drives of one time constant add to the guard's numbers.
+
+    Given: lag > 0, spread = 0.
     """
     g = EffectGraph(lag.LAG, {"actuator.lag": 0.02}, "clock")
     time = g["actuator.lag"]
@@ -115,12 +121,14 @@ def constant_lag(mutation: Mutation) -> Statement:
     return g.states(goals, given=(time > 0, g["actuator.lag_spread"] == 0), cuts=cuts, more=t)
 
 
-@claim("world.delay.bound", given="any delay and unmodelled delay")
+@claim("world.delay.bound")
 def delay_bound(mutation: Mutation) -> Statement:
     """the bound of the delay is what the drives' own graph holds a command back by: delay +
     unmodelled delay.
 
     What the guard counts as the latest takeover.
+
+    Given: any delay and unmodelled delay.
     """
     g = EffectGraph(delay.DELAY, {"actuator.delay": 0.02, "actuator.unmodelled_delay": 0.01})
     assert g.system.transport is not None
@@ -146,8 +154,6 @@ class Jittering(EffectGraph):
 
 @claim(
     "world.jitter.bound",
-    given="jitter a multiple of h, h > 0; drawn, a whole number from 0 on, below jitter/h + 1, so "
-    "at most jitter/h; what waits was drawn like that",
 )
 def jitter_bound(mutation: Mutation) -> Statement:
     """in the drives' own graph a command that arrived at phase 0 acts from phase jitter/h on at the
@@ -155,6 +161,9 @@ def jitter_bound(mutation: Mutation) -> Statement:
     bound.
 
     What the guard counts as the earliest and the latest takeover.
+
+    Given: jitter a multiple of h, h > 0; drawn, a whole number from 0 on, below jitter/h + 1, so at
+    most jitter/h; what waits was drawn like that.
     """
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
@@ -169,11 +178,13 @@ def jitter_bound(mutation: Mutation) -> Statement:
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
-@claim("world.motor.step", given="step > 0")
+@claim("world.motor.step")
 def stepped(mutation: Mutation) -> Statement:
     """torque in steps is off by at most half a step.
 
     What a motor's resolution adds to dbar.
+
+    Given: step > 0.
     """
     g = EffectGraph(motor.MOTOR, {"motor.step": 0.1})
     told, step = g["tau_right"], g["motor.step"]
@@ -185,11 +196,13 @@ def stepped(mutation: Mutation) -> Statement:
     return g.states(lost, given=given, cuts={"number": number})
 
 
-@claim("world.motor.dead-zone", given="zone > 0")
+@claim("world.motor.dead-zone")
 def world_motor_dead_zone(mutation: Mutation) -> Statement:
     """a dead zone takes at most its width, in the torque's direction.
 
     What it adds to dbar.
+
+    Given: zone > 0.
     """
     g = EffectGraph(motor.MOTOR, {"motor.dead_zone": 0.1})
     told, zone = g["tau_right"], g["motor.dead_zone"]
@@ -198,34 +211,38 @@ def world_motor_dead_zone(mutation: Mutation) -> Statement:
     return g.states(goals, given=zone > 0)
 
 
-@claim("world.motor.line", given="stall > 0, 1/free >= 0, |torque| <= tau")
+@claim("world.motor.line")
 def line(mutation: Mutation) -> Statement:
     """on the torque-speed line a torque up to tau misses at most the smaller of tau and d(s) =
     max(tau - stall (1 - s/free), 0), s the speed in its direction, if positive.
 
     What a motor misses at a speed.
+
+    Given: stall > 0, 1/free >= 0, |torque| <= tau.
     """
     t = symbols("torque speed stall slowing most", "stall slowing")
-    made = motor.on_line(t.torque, t.speed, t.stall, t.slowing)
-    share = t.slowing * t.speed
-    ahead, back = (motor.missing(t.most, t.stall, way * share) for way in (1, -1))
-    ahead, back = ca.fmin(ahead, t.most), ca.fmin(back, t.most)
+    torque, speed, stall, slowing, most = t.values()
+    made = motor.on_line(torque, speed, stall, slowing)
+    share = slowing * speed
+    ahead, back = (motor.missing(most, stall, way * share) for way in (1, -1))
+    ahead, back = ca.fmin(ahead, most), ca.fmin(back, most)
     part = mutation(1, 0.9)
-    sides = part * ahead >= t.torque - made, part * back >= made - t.torque
-    goals = sides, (t.torque - made) * t.torque >= 0
-    given = t.stall > 0, t.slowing >= 0, within(t.torque, t.most)
+    sides = part * ahead >= torque - made, part * back >= made - torque
+    goals = sides, (torque - made) * torque >= 0
+    given = stall > 0, slowing >= 0, within(torque, most)
     return Statement(t, goals, given)
 
 
 @claim(
     "world.motor.{name}",
-    given="|v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0",
     over=rows(way=(1, -1), name=("thrust", "moment"), drive=("one way", "opposite ways")),
 )
 def pair_ahead(mutation: Mutation, way: int) -> Statement:
     """d(s) of both wheels together is largest at v1 = u1, |omega| = u2 where they drive {drive}.
 
     What motors add to dbar, {name}.
+
+    Given: |v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0.
     """
     t = symbols("v turn u1 edge stall slowing most", "stall slowing")
 
@@ -242,9 +259,6 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
 
 @claim(
     "world.motor.bound-{name}",
-    given="step, zone, stall, free, tau_max, r, l, u1, u2 > 0; |tau_i| <= tau_max; |v1| <= u1, "
-    "|omega| <= u2; each wheel misses at most half a step, the zone, and the smaller of d of its "
-    "speed and tau_max + step/2; d of both wheels as world.motor.{name} has it",
     premises="world.motor.step world.motor.dead-zone world.motor.line world.motor.{name}",
     over=rows(axis=(0, 1), name=("thrust", "moment")),
 )
@@ -253,6 +267,10 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
     dead zone and line at once.
 
     The guard's bound for motors covers the sum of their parts.
+
+    Given: step, zone, stall, free, tau_max, r, l, u1, u2 > 0; |tau_i| <= tau_max; |v1| <= u1,
+    |omega| <= u2; each wheel misses at most half a step, the zone, and the smaller of d of its
+    speed and tau_max + step/2; d of both wheels as world.motor.{name} has it.
     """
     numbers = {
         "motor.step": 0.1, "motor.dead_zone": 0.1, "motor.stall": 3.0, "motor.free": 9.0,

@@ -39,13 +39,14 @@ claim = Claims(by=Z3())
 
 @claim(
     "world.slope",
-    given="0 < m <= guard.M_max, g > 0, sin(angle) >= 0; |sine|, |cosine| of the heading <= 1",
     by=Z3(points=(ALONG,)),
 )
 def world_slope(mutation: Mutation) -> Statement:
     """a slope pulls with at most m g sin(angle), and turns with at most |offset| times that.
 
     What a slope adds to dbar.
+
+    Given: 0 < m <= guard.M_max, g > 0, sin(angle) >= 0; |sine|, |cosine| of the heading <= 1.
     """
     numbers = {"slope.angle": 0.1, "guard.M_max": [60.0, 20.0]}
     g = EffectGraph(slope.SLOPE, numbers, "robot guard")
@@ -60,8 +61,7 @@ def world_slope(mutation: Mutation) -> Statement:
 
 @claim(
     "world.resistance.{name}",
-    given=f"{HEAVY}; {{sign}} >= 0; |tanh| <= 1, and as {{sign}} >= 0 has it tanh((v1 + l "
-    "omega)/v_s) {pair} tanh((v1 - l omega)/v_s) >= 0",
+
     over=(
         {"name": "thrust", "axis": 0, "sign": "v1", "pair": "+", "does": "drives", "times": ""},
         {"name": "moment", "axis": 1, "sign": "omega", "pair": "-", "does": "turns",
@@ -72,6 +72,9 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     """rolling resistance {does} the robot on with at most {times}the difference of the wheels'.
 
     Equal wheels only brake; what one has more may push. Backwards by symmetry.
+
+    Given: {HEAVY}; {sign} >= 0; |tanh| <= 1, and as {sign} >= 0 has it tanh((v1 + l omega)/v_s)
+    {pair} tanh((v1 - l omega)/v_s) >= 0.
     """
     numbers = {"resistance.rolling": [0.01, 0.02], "guard.M_max": [60.0, 20.0]}
     g = EffectGraph(resistance.RESISTANCE, numbers, "robot guard")
@@ -92,13 +95,14 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "world.noise.{name}",
-    given="r, l > 0, std >= 0; |each normal number| <= n",
     over=rows(axis=(0, 1), name=("thrust", "moment"), most=("2 n std/r", "2 l n std/r")),
 )
 def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     """torque noise within n std on each wheel makes a {name} of at most {most}.
 
     What torque noise adds to dbar.
+
+    Given: r, l > 0, std >= 0; |each normal number| <= n.
     """
     numbers = {"disturbance.truncate": 5.0}
     g = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, numbers, "robot")
@@ -112,12 +116,13 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "world.gust",
-    given="shares before and numbers within [-1, 1], size >= 0, 0 <= keep = exp(-T/time) <= 1",
 )
 def world_gust(mutation: Mutation) -> Statement:
     """a filter's share of the size stays within [-1, 1], and the force within the size.
 
     What gusts add to dbar.
+
+    Given: shares before and numbers within [-1, 1], size >= 0, 0 <= keep = exp(-T/time) <= 1.
     """
     g = EffectGraph(gust.GUST, {"gust.size": [1.0, 1.0]})
     keep = ca.exp(-g["clock.control"] / g["gust.time"])
@@ -129,11 +134,13 @@ def world_gust(mutation: Mutation) -> Statement:
     return g.states(goals, given=(within(drawn, 1), sides), cuts={"keep": keep})
 
 
-@claim("world.gyro", given="noise >= 0; the random number within [-1, 1]")
+@claim("world.gyro")
 def world_gyro(mutation: Mutation) -> Statement:
     """a gyro is off by at most |bias| + noise.
 
     What it adds to nbar.
+
+    Given: noise >= 0; the random number within [-1, 1].
     """
     g = EffectGraph(gyro.GYRO, {"gyro.enabled": True})
     most = g.bound("nbar")[1] * mutation(1, 0.9)
@@ -141,11 +148,13 @@ def world_gyro(mutation: Mutation) -> Statement:
     return g.states(within(g.system.y[0] - g["omega"], most), given=given)
 
 
-@claim("world.velocity-noise", given="half-widths >= 0; random numbers within [-1, 1]")
+@claim("world.velocity-noise")
 def world_velocity_noise(mutation: Mutation) -> Statement:
     """noise of the velocity is at most its half-width, per axis.
 
     What it adds to nbar.
+
+    Given: half-widths >= 0; random numbers within [-1, 1].
     """
     g = EffectGraph(velocity_noise.VELOCITY_NOISE, {})
     half = g.bound("nbar")
@@ -159,13 +168,14 @@ AGES = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.cont
 
 @claim(
     "world.velocity-mean.bound",
-    given="T > 0; a window of two periods that ended one period ago, after the first sample",
 )
 def world_velocity_mean(mutation: Mutation) -> Statement:
     """the mean velocity times the window in its bound is the distance from that window's start to
     its end, and both are as old as the bound says, in periods since each distance was read.
 
     What the guard counts as age and window.
+
+    Given: T > 0; a window of two periods that ended one period ago, after the first sample.
     """
     g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES, "clock limits")
     T, name = g["clock.control"], velocity_mean.PLACE.name
@@ -180,10 +190,6 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
 
 @claim(
     "world.velocity-mean.rounding{of}",
-    given="u1, h > 0; a window of two periods T, T at least h, ended one period ago, after the "
-    "first sample; its way is at most u1 times the window, and the duration no shorter and eight h "
-    "or more; |path|, |theta| <= u1 duration, so that rounding in each h of the window makes "
-    "2^-53 u1 duration/h times the window at most",
     over=rows(axis=(0, 1), of=("", "-angular"), what=("velocity", "angular velocity")),
 )
 def rounded_mean(mutation: Mutation, axis: int) -> Statement:
@@ -191,6 +197,11 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     bound tells.
 
     What a mean adds to nbar: the rounding of ways.
+
+    Given: u1, h > 0; a window of two periods T, T at least h, ended one period ago, after the first
+    sample; its way is at most u1 times the window, and the duration no shorter and eight h or more;
+    |path|, |theta| <= u1 duration, so that rounding in each h of the window makes 2^-53 u1
+    duration/h times the window at most.
     """
     g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES, "clock limits")
     t, name = symbols("way shown"), velocity_mean.PLACE.name
@@ -206,11 +217,13 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     return replace(whole, computed={"shown": g.system.y[axis]})
 
 
-@claim("world.push", given="r, l > 0, size >= 0; at every velocity")
+@claim("world.push")
 def world_push(mutation: Mutation) -> Statement:
     """an adversary's push is at most its size, per axis.
 
     What it adds to dbar.
+
+    Given: r, l > 0, size >= 0; at every velocity.
     """
     g = EffectGraph(push.PUSH, {"disturbance.push": [1.0, 1.0]})
     size = g.bound("dbar")
@@ -222,12 +235,14 @@ def world_push(mutation: Mutation) -> Statement:
 command_claim = Claims(by=Z3())
 
 
-@command_claim("world.command-delay.bound", given="any delay")
+@command_claim("world.command-delay.bound")
 def command_delay_bound(mutation: Mutation) -> Statement:
     """the bound of a command's delay is what its own graph holds a command back by, which it leaves
     as it is.
 
     What the governor counts as the delay of a command.
+
+    Given: any delay.
     """
     g = EffectGraph(command_delay.COMMAND_DELAY, {"base.delay": 0.02})
     assert g.system.transport is not None
@@ -237,15 +252,16 @@ def command_delay_bound(mutation: Mutation) -> Statement:
 
 @command_claim(
     "world.command-loss.bound",
-    given="losses >= 0 whole, timeout at least (losses + 1) T less 1e-9 of it, which is at most h; "
-    "T a multiple of h > 0; so far no more were missed in a row than the bound tells, and silence "
-    "lasts for the periods that were missed",
 )
 def command_loss_bound(mutation: Mutation) -> Statement:
     """no more commands in a row are missed than the bound tells, silence lasts for the periods that
     were missed and no longer, and the base never stops in between.
 
     What the governor counts as lost commands.
+
+    Given: losses >= 0 whole, timeout at least (losses + 1) T less 1e-9 of it, which is at most h; T
+    a multiple of h > 0; so far no more were missed in a row than the bound tells, and silence lasts
+    for the periods that were missed.
     """
     numbers = {"base.losses": 2, "base.timeout": 0.05, "clock.control": 0.01}
     g = EffectGraph(command_loss.COMMAND_LOSS, numbers, "clock")
@@ -271,13 +287,13 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     return g.states(goals, given=given, cuts=cuts, more=t)
 
 
-@command_claim(
-    "world.command-quantum.bound", given="step > 0; whole parts of two numbers: n <= x < n + 1"
-)
+@command_claim("world.command-quantum.bound")
 def command_quantum_bound(mutation: Mutation) -> Statement:
     """a rounded command is off by at most half a step, per axis.
 
     What the governor counts as the error of a command.
+
+    Given: step > 0; whole parts of two numbers: n <= x < n + 1.
     """
     g = EffectGraph(command_quantum.COMMAND_QUANTUM, {"base.quantum": [0.01, 0.01]})
     off, most, given = g.system.y - g.system.u, g.bound("command"), list[Relations]()
@@ -290,12 +306,14 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
     return g.states(within(off, mutation(1, 0.9) * most), given=given, cuts=cuts)
 
 
-@command_claim("world.wheel-commands", given="l > 0, size >= 0; no ramps")
+@command_claim("world.wheel-commands")
 def wheels_heard(mutation: Mutation) -> Statement:
     """behind dead bands of the wheels the command that acts is off by at most command + dropped of
     the bound, and no larger than the one that arrived by more than command, per axis.
 
     What a filter counts as the error of a command, and what a clip does.
+
+    Given: l > 0, size >= 0; no ramps.
     """
     g = EffectGraph(wheel_commands.WHEEL_COMMANDS, {"base.wheel_deadband": 0.03}, "robot")
     error, dropped = mutation(1, 0.9) * g.bound("command"), g.bound("dropped")

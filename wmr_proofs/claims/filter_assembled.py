@@ -106,15 +106,16 @@ class AssembledStep(Named):
 
 @claim(
     "filter.limits",
-    given="0 < K_min <= K_max, 0 <= dbar <= V each way, 0 < tau_min <= tau_max of each axis, T > "
-    "0; any odometry of the sample, any time since the last one; v and omega limited; no delay, "
-    "jitter or losses, H = T",
 )
 def limits(mutation: Mutation) -> Statement:
     """the largest command that the whole filter admits is at least 0, on either axis, either way,
     and above 0 where dbar < V.
 
     Stopping is always allowed, and so is driving where a push leaves room for it.
+
+    Given: 0 < K_min <= K_max, 0 <= dbar <= V each way, 0 < tau_min <= tau_max of each axis, T > 0;
+    any odometry of the sample, any time since the last one; v and omega limited; no delay, jitter
+    or losses, H = T.
     """
     stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), Cuts()
     graph = Governor(stated)
@@ -136,7 +137,6 @@ def limits(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.sent",
-    given=f"{ASSEMBLED}; the four limits at least 0 (filter.limits)",
     premises="filter.limits",
     each=SIDES,
 )
@@ -145,6 +145,8 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     step's limit, whatever both axes are asked for.
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
+
+    Given: {ASSEMBLED}; the four limits at least 0 (filter.limits).
     """
     step = AssembledStep(side, axis)
     every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
@@ -157,7 +159,6 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
 
 @claim(
     "filter.assembled",
-    given=f"{ASSEMBLED}; u at most the step's limit (filter.sent)",
     premises="filter.sent",
     each=SIDES,
 )
@@ -166,6 +167,8 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     the whole filter admits.
 
     The limit of the filter as it is exported, from odometry to command, keeps the base within V.
+
+    Given: {ASSEMBLED}; u at most the step's limit (filter.sent).
     """
     step = AssembledStep(side, axis)
     u, E = step.free.u, step.free.E
@@ -214,7 +217,6 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
 
 @claim(
     "filter.carried",
-    given=f"{ASSEMBLED}; sent at most the step's limit (filter.sent)",
     premises="filter.sent filter.drive",
     by=Z3(points=[point for sides in SIDES.values() for point in tight(**sides)]),
     each=SIDES,
@@ -224,6 +226,8 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     next bound, for least <= share <= most.
 
     The memory of the filter as it is exported bounds the speed at the next sample.
+
+    Given: {ASSEMBLED}; sent at most the step's limit (filter.sent).
     """
     step = AssembledStep(side, axis)
     v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
@@ -239,8 +243,6 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
 
 @claim(
     "filter.step",
-    given=f"I: {ASSEMBLED}; mean <= drive(u), u what is sent; exp(-T/tau_min) <= E <= 1, and E <= "
-    "exp(-T/tau_max) at the next sample",
     premises="filter.drive filter.limits filter.sent filter.assembled filter.carried",
     each=SIDES,
 )
@@ -251,6 +253,9 @@ def induced(mutation: Mutation, side: int, axis: int) -> Statement:
 
     A step of the induction over samples (filter.mean): what is sent, what the speed does and what
     is remembered, in one.
+
+    Given: I: {ASSEMBLED}; mean <= drive(u), u what is sent; exp(-T/tau_min) <= E <= 1, and E <=
+    exp(-T/tau_max) at the next sample.
     """
     step = AssembledStep(side, axis)
     free, graph, share, least = step.free, step.graph, 1 - step.free.E, step.cuts["-least"]

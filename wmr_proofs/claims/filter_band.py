@@ -69,13 +69,14 @@ def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
 
 @claim(
     "filter.band.forecast",
-    given=f"{TABLES}; v <= u + over, -v <= -u + under; low <= S <= high, the base's response",
     each=WAYS,
 )
 def forecast(mutation: Mutation, way: int) -> Statement:
     """v + (to - u) S <= to + over and -v - (to - u) S <= -to + under of the changed forecast.
 
     After a change of the command the forecast still bounds every member of the family.
+
+    Given: {TABLES}; v <= u + over, -v <= -u + under; low <= S <= high, the base's response.
     """
     a = BandAxis()
     s, changed = a.symbols, a.forecast.changed(a.to, a.table)
@@ -85,11 +86,13 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     return Statement(s, most >= way * (s.v + (s.to - s.u) * s.S), given=given)
 
 
-@claim("filter.band.mirrored", given=f"{TABLES}")
+@claim("filter.band.mirrored")
 def mirrored(mutation: Mutation) -> Statement:
     """the changed forecast of -v is that of v with over and under exchanged.
 
     Backwards the band does what it does forwards.
+
+    Given: {TABLES}.
     """
     a = BandAxis()
     s = a.symbols
@@ -148,11 +151,13 @@ class BandStep(BandAxis):
         return self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts)
 
 
-@claim("filter.band.least", given="any tables, forecast and command")
+@claim("filter.band.least")
 def least(mutation: Mutation) -> Statement:
     """the largest command is 0, or at most what each of the conditions admits where 0 follows.
 
     None of the conditions is left out.
+
+    Given: any tables, forecast and command.
     """
     a = BandStep()
     lines = a.stopped
@@ -165,14 +170,15 @@ def least(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.band.held",
-    given=f"{AFTER}; {WITHIN}, on every piece and behind; u - fall <= to <= u + rise, what a fall "
-    "and a rise are admitted",
     each={"rise": {"rises": True}, "fall": {"rises": False}},
 )
 def held(mutation: Mutation, rises: bool) -> Statement:
     """to + over, -to + under of the changed forecast <= c'', on every piece and behind.
 
     A command that is admitted keeps the forecast of its being held within the limit.
+
+    Given: {AFTER}; {WITHIN}, on every piece and behind; u - fall <= to <= u + rise, what a fall and
+    a rise are admitted.
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps
@@ -186,7 +192,7 @@ def held(mutation: Mutation, rises: bool) -> Statement:
 
 @claim(
     "filter.band.stop",
-    given=f"{AFTER}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted",
+
     each={f"{word}-{part}": {"part": part, **way} for word, way in WAYS.items()
           for part in ("piece", "tail")},
 )  # fmt: skip
@@ -195,6 +201,8 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
     on each piece of the tables and behind them.
 
     A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
+
+    Given: {AFTER}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted.
     """
     a = BandStep()
     line, to = (-1 if part == "tail" else 0), a.to
@@ -208,11 +216,13 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
     return Statement(a, goals, (a.stated, a.inside(behind), to >= 0, admitted))
 
 
-@claim("filter.band.zero", given=f"{AFTER}; u >= 0; {INSIDE}")
+@claim("filter.band.zero")
 def zero(mutation: Mutation) -> Statement:
     """0 keeps over <= c'' and under <= c' of the forecast, held or sent again a period later.
 
     A stop is always admitted, whatever the conditions say.
+
+    Given: {AFTER}; u >= 0; {INSIDE}.
     """
     a = BandStep()
     now = a.forecast.changed(ca.SX(0), a.table)
@@ -224,12 +234,13 @@ def zero(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.band.zero-held",
-    given=f"{AFTER}; 2^-30 <= high on every piece; u >= 0; {INSIDE}, on every piece and behind",
 )
 def zero_held(mutation: Mutation) -> Statement:
     """u - fall <= 0 <= u + rise.
 
     While steps come in time, the band never holds back a stop.
+
+    Given: {AFTER}; 2^-30 <= high on every piece; u >= 0; {INSIDE}, on every piece and behind.
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps

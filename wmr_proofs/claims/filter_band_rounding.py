@@ -36,8 +36,6 @@ def _sizes(a: BandAxis) -> Relations:
 
 @claim(
     "filter.rounding.band-forecast",
-    given=f"{SIZES}; v <= u + over + e, -v <= -u + under + e; low <= S <= high, the base's "
-    "response",
     each=WAYS,
 )
 def forecast(mutation: Mutation, way: int) -> Statement:
@@ -45,6 +43,8 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     over and under as the text computes them for the changed command.
 
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
+
+    Given: {SIZES}; v <= u + over + e, -v <= -u + under + e; low <= S <= high, the base's response.
     """
     a = BandAxis()
     s, changed = a | symbols("e made"), a.forecast.changed(a.to, a.table)
@@ -59,12 +59,13 @@ def forecast(mutation: Mutation, way: int) -> Statement:
 
 @claim(
     "filter.rounding.band-tail",
-    given="left, tail >= 0; f > 0, the share that stays in a period; fading >= f (1 + 2^-41)",
 )
 def tail(mutation: Mutation) -> Statement:
     """(tail + |to - u| left) f <= the tail that the text computes for the next sample.
 
     Behind the tables the computed forecast is never too low.
+
+    Given: left, tail >= 0; f > 0, the share that stays in a period; fading >= f (1 + 2^-41).
     """
     a = BandAxis()
     s = a | symbols("f made")
@@ -77,9 +78,6 @@ def tail(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.band-limit",
-    given=f"{SIZES}; inverse slope <= 1, or >= 1 and slope > 0 of a fall behind which 0 follows; 0 "
-    "<= slope <= 10, inverse >= 1/16; to within what this condition "
-    "admits, as the text computes it",
     each={
         f"{'stop-' * stops}{word}": {"stops": stops, "way": way}
         for stops in (False, True)
@@ -91,6 +89,9 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     or c' (1 + 2^-44) where 0 follows, there; of rises and falls.
 
     A command that is admitted by roundings is admitted without them for a hardly larger limit.
+
+    Given: {SIZES}; inverse slope <= 1, or >= 1 and slope > 0 of a fall behind which 0 follows; 0 <=
+    slope <= 10, inverse >= 1/16; to within what this condition admits, as the text computes it.
     """
     a = BandStep()
     s, table = a | symbols("limit wider inverse slope"), a.table
@@ -119,15 +120,16 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
 
 @claim(
     "filter.rounding.band-beat",
-    given="-before - e <= p <= behind + e, the time at which a sample came, less whole periods, "
-    "after the last one; 0 <= before, behind <= T; the next one comes 0 to 2 T after that; "
-    "operations rounded by at most 2^-53",
 )
 def beat(mutation: Mutation) -> Statement:
     """-before' - e - 2^-51 T <= p' <= behind' + e + 2^-51 T, the same after the next, as the text
     computes it.
 
     What roundings add to a beat in the periods that tables reach back is far below what they allow.
+
+    Given: -before - e <= p <= behind + e, the time at which a sample came, less whole periods,
+    after the last one; 0 <= before, behind <= T; the next one comes 0 to 2 T after that; operations
+    rounded by at most 2^-53.
     """
     s = symbols("before behind since T e p made_before made_behind")
     T, off = s.T, s.since - s.T
@@ -144,32 +146,35 @@ def beat(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.band-stays",
-    given="g >= 0, g (1 + x + x^2/2) <= 1, x the rate times the time since the last sample; "
-    "operations rounded by at most 2^-53",
 )
 def stays(mutation: Mutation) -> Statement:
     """g (1 + 2^-41) <= the share that stays, as the text computes it.
 
     However short the time since the last sample is, not too little is kept of what is past.
+
+    Given: g >= 0, g (1 + x + x^2/2) <= 1, x the rate times the time since the last sample;
+    operations rounded by at most 2^-53.
     """
     s = symbols("rate time g made")
-    x = s.rate * s.time
-    given = nonnegative(s.rate, s.time, s.g), s.g * (1 + x + 0.5 * x * x) <= 1
-    goal = s.made >= s.g * (1 + mutation(2.0**-41, 2.0**-39))
-    return Statement(s, goal, given, computed={"made": stays_of(s.rate, s.time)})
+    rate, time, g, made = s.values()
+    x = rate * time
+    given = nonnegative(rate, time, g), g * (1 + x + 0.5 * x * x) <= 1
+    goal = made >= g * (1 + mutation(2.0**-41, 2.0**-39))
+    return Statement(s, goal, given, computed={"made": stays_of(rate, time)})
 
 
 @claim(
     "filter.rounding.band-fading",
-    given="0 <= r <= reach, 0 <= p <= past; what stays of both is g >= 0, g (1 + 2^-41) <= the "
-    "computed share, or the one of the shortest period where the sample came on its beat; "
-    "operations rounded by at most 2^-53",
     premises="assumption.libm filter.rounding.band-stays",
 )
 def fading(mutation: Mutation) -> Statement:
     """r g (1 + 2^-42) and p g, or r g alone where the sample is untimely, <= what the text keeps.
 
     What the text remembers of the past is never too little, so that nothing adds up.
+
+    Given: 0 <= r <= reach, 0 <= p <= past; what stays of both is g >= 0, g (1 + 2^-41) <= the
+    computed share, or the one of the shortest period where the sample came on its beat; operations
+    rounded by at most 2^-53.
     """
     s = symbols("reach past held u came stays soonest r p g made_reach made_past")
     came = s.came
@@ -186,34 +191,37 @@ def fading(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.band-reached",
-    given="r >= 0, r (1 + 2^-42) <= reach; reached >= 0, reached (1 + 2^-41) <= the number in the "
-    "tables; operations rounded by at most 2^-53",
 )
 def reached(mutation: Mutation) -> Statement:
     """r + |to - u| reached <= how far the base is from its command, as the text computes it.
 
     A change of the command adds enough to what fades.
+
+    Given: r >= 0, r (1 + 2^-42) <= reach; reached >= 0, reached (1 + 2^-41) <= the number in the
+    tables; operations rounded by at most 2^-53.
     """
     s = symbols("reach furthest r reached u to made")
-    change = s.to - s.u
+    reach, furthest, r, reached, u, to, made = s.values()
+    change = to - u
     none = ca.SX(0)
-    after = Fading(s.reach, none, none).changed(change, s.furthest)
-    listed = s.furthest >= s.reached * (1 + mutation(1, 0) * 2.0**-41)
-    given = nonnegative(s.r, s.reached), s.reach >= s.r * (1 + 2.0**-42), listed
-    goal = s.made >= s.r + abs(change) * s.reached
+    after = Fading(reach, none, none).changed(change, furthest)
+    listed = furthest >= reached * (1 + mutation(1, 0) * 2.0**-41)
+    given = nonnegative(r, reached), reach >= r * (1 + 2.0**-42), listed
+    goal = made >= r + abs(change) * reached
     return Statement(s, goal, given, computed={"made": after.reach})
 
 
 @claim(
     "filter.rounding.band-past",
-    given="c > 0, |held| <= 2 c; v <= c (1 + 2^-29 - 2^-47) and v - held <= past, as long as the "
-    "command stays held; under it, the same of -v and -held; operations rounded by at most 2^-53",
     each=WAYS,
 )
 def past(mutation: Mutation, way: int) -> Statement:
     """v - held and held - v <= what the text takes for the bounds of what is past.
 
     Behind an untimely sample the text counts on no less than what is certain.
+
+    Given: c > 0, |held| <= 2 c; v <= c (1 + 2^-29 - 2^-47) and v - held <= past, as long as the
+    command stays held; under it, the same of -v and -held; operations rounded by at most 2^-53.
     """
     s = symbols("c past held v made")
     bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c)

@@ -75,13 +75,14 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "filter.band.beat",
-    given="-before <= p, q <= behind, the times at which two samples came, less whole periods, "
-    "after the last one; before, behind >= 0; the next one comes a period and ``off`` after that",
 )
 def beat(mutation: Mutation) -> Statement:
     """-before' <= p', q', 0 <= behind' and p' - q' <= before' + behind', the same after the next.
 
     Samples whose spread is within twice the jitter have one beat in common, whichever it is.
+
+    Given: -before <= p, q <= behind, the times at which two samples came, less whole periods, after
+    the last one; before, behind >= 0; the next one comes a period and ``off`` after that.
     """
     s = symbols("before behind off p q")
     after = spread_of(ca.vertcat(s.before, s.behind), s.off)
@@ -96,13 +97,14 @@ def beat(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.band.fading",
-    given="r <= reach, p <= past; what stays of both is g >= 0, with g (1 + x + x^2/2) <= 1, x the "
-    "rate times the time since the last sample, and g <= soonest where that came on its beat",
 )
 def fading(mutation: Mutation) -> Statement:
     """r g and p g, or r g alone where the sample is untimely, <= what is kept of them.
 
     How far the base is from its command is known whenever the next command comes.
+
+    Given: r <= reach, p <= past; what stays of both is g >= 0, with g (1 + x + x^2/2) <= 1, x the
+    rate times the time since the last sample, and g <= soonest where that came on its beat.
     """
     s = symbols("reach past held u came rate time soonest r p g")
     came, x = s.came, s.rate * s.time
@@ -118,14 +120,15 @@ def fading(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.band.past",
-    given="c >= 0; v - held <= past; v <= c (1 + 2^-29), as long as the command stays held; under "
-    "it, the same of -v and -held",
     each=WAYS,
 )
 def past(mutation: Mutation, way: int) -> Statement:
     """v - held and held - v <= what is known of what was sent before, over and under its command.
 
     Behind an untimely sample nothing is lost of what is certain in any case.
+
+    Given: c >= 0; v - held <= past; v <= c (1 + 2^-29), as long as the command stays held; under
+    it, the same of -v and -held.
     """
     s = symbols("past held c v")
     bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]

@@ -102,8 +102,6 @@ SCALED: dict[str, dict[str, Any]] = {
 
 @claim(
     "filter.rounding.scaled",
-    given=f"{GIVEN} of v and omega, of the wheels, or of all, those of the wheels of at most M in "
-    f"size; {ROUNDED}",
     each=SCALED,
 )
 def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
@@ -113,6 +111,9 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
 
     v and omega keep their limits to the last bit, whichever goes first, and wheels keep theirs
     however v and l omega cancel.
+
+    Given: {GIVEN} of v and omega, of the wheels, or of all, those of the wheels of at most M in
+    size; {ROUNDED}.
     """
     a = Limited(on)
     if on == "both":  # before v and omega are cut
@@ -127,12 +128,14 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
 BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
 
 
-@claim("filter.rounding.beside", given=f"{BESIDE}; both axes scaled by one factor; {ROUNDED}")
+@claim("filter.rounding.beside")
 def beside(mutation: Mutation) -> Statement:
     """v and omega before they are cut are within (1 + 2^-50) of their limits, the wheels' speeds
     within 2^-49 M of theirs.
 
     One factor keeps v, omega and both wheels within their limits.
+
+    Given: {BESIDE}; both axes scaled by one factor; {ROUNDED}.
     """
     a = Limited("both")
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
@@ -143,7 +146,6 @@ def beside(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.beside-cut",
-    given=f"{BESIDE}; v and omega before they are cut as in filter.rounding.beside",
     premises="filter.rounding.beside",
 )
 def beside_cut(mutation: Mutation) -> Statement:
@@ -152,6 +154,8 @@ def beside_cut(mutation: Mutation) -> Statement:
 
     v and omega that are cut at their limits take the wheels no further beyond theirs than
     roundings.
+
+    Given: {BESIDE}; v and omega before they are cut as in filter.rounding.beside.
     """
     a = Limited("both")
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
@@ -164,13 +168,14 @@ def beside_cut(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.slew-limit",
-    given="K > 0, delta, a, reach >= 0; V the stated limit; operations rounded by at most 2^-53",
 )
 def slew_limit(mutation: Mutation) -> Statement:
     """K hi (1 + 2^-29) + delta + a (1 + 2^-30) reach <= V for the hi that the text of the clip of
     slow commands computes, by a quotient or by 1/K.
 
     The margin covers what rounding adds to commands and to how fast they change.
+
+    Given: K > 0, delta, a, reach >= 0; V the stated limit; operations rounded by at most 2^-53.
     """
     s = symbols("V K delta slew reach direct inverse", "V K delta slew reach")
     V, K, dbar = s.V, s.K, s.delta + s.slew * s.reach
@@ -192,13 +197,14 @@ def _slow(s: Symbols) -> Relations:
 
 @claim(
     "filter.rounding.slew-kept",
-    given="|wanted| <= hi (1 + 2^-50); the command before within hi (1 + 2^-29); 2^-22 <= share "
-    "<= 1; operations rounded by at most 2^-53",
 )
 def slew_kept(mutation: Mutation) -> Statement:
     """|u| <= hi (1 + 2^-29), u as the text computes it.
 
     Rounding carries commands that change slowly no further beyond their limit with time.
+
+    Given: |wanted| <= hi (1 + 2^-50); the command before within hi (1 + 2^-29); 2^-22 <= share <=
+    1; operations rounded by at most 2^-53.
     """
     s = symbols("hi last wanted share sent")
     shares = between(mutation(2.0**-22, 0.0), s.share, 1)
@@ -209,12 +215,13 @@ def slew_kept(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.slew-step",
-    given="as in filter.rounding.slew-kept; a T >= 2^-20 hi; 0 <= share <= the axis' own share",
 )
 def slew_step(mutation: Mutation) -> Statement:
     """|u - u_before| <= a T (1 + 2^-30), the axis' own share >= 2^-22, as the text computes them.
 
     Commands change no faster than the clip of slow commands counts on.
+
+    Given: as in filter.rounding.slew-kept; a T >= 2^-20 hi; 0 <= share <= the axis' own share.
     """
     s = symbols("hi last wanted share sent own slew T", "slew T")
     most = s.slew * s.T

@@ -49,7 +49,6 @@ def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
 
 @claim(
     "filter.held-push",
-    given="m, I, r, l, v_s, h, tau > 0, e = exp(-h/tau) < 1; no wheel at its torque limit",
     each=BOTH_AXES,
 )
 def held_push(mutation: Mutation, axis: int) -> Statement:
@@ -58,6 +57,8 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     error.
 
     What filter.d has to cover: the speed at which pushes and errors of the command alone end.
+
+    Given: m, I, r, l, v_s, h, tau > 0, e = exp(-h/tau) < 1; no wheel at its torque limit.
     """
     g = EffectGraph(SPEED_LOOP, BASE, "robot clock")
     d, t = pushed(g)
@@ -196,10 +197,6 @@ class Command(Named):
 
 @claim(
     "filter.held-rim",
-    given="a command within the governor's, with kappa = 0 the clip's, whose push is d and what is "
-    "for friction; it acts while the loop goes at most what kappa counts on; the speed at the "
-    "start within the bound that the governor counts on and, by what friction may still lead to, "
-    "within V",
     premises="filter.held-kick",
 )
 def held_rim(mutation: Mutation) -> Statement:
@@ -212,6 +209,10 @@ def held_rim(mutation: Mutation) -> Statement:
     What friction took from v's way at a rim it cannot take again before v has risen, and there it
     only holds the rim back. The governor's bound is right wherever it counts, though not within the
     time of a command.
+
+    Given: a command within the governor's, with kappa = 0 the clip's, whose push is d and what is
+    for friction; it acts while the loop goes at most what kappa counts on; the speed at the start
+    within the bound that the governor counts on and, by what friction may still lead to, within V.
     """
     t = Command(mutation)
     true, enough = t.reached(t.start, t.d, t.gone), t.gone >= t.gone_least
@@ -228,9 +229,6 @@ def held_rim(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.held-share",
-    given="l, V, W > 0; 0 <= x <= 2, 0 <= q <= 1; |v| <= V and |v + l omega|, |v - l omega| <= W, "
-    "and the same, less d, of the speeds to which command and pushes lead; of q times its way v "
-    "goes a share from 1 - x/2 to 1, and omega all",
     premises="filter.held-friction filter.held-push filter.clip",
 )
 def held_share(mutation: Mutation) -> Statement:
@@ -238,6 +236,10 @@ def held_share(mutation: Mutation) -> Statement:
     x and V.
 
     Behind a clip a wheel that stops for a turn keeps its limit although friction holds back v.
+
+    Given: l, V, W > 0; 0 <= x <= 2, 0 <= q <= 1; |v| <= V and |v + l omega|, |v - l omega| <= W,
+    and the same, less d, of the speeds to which command and pushes lead; of q times its way v goes
+    a share from 1 - x/2 to 1, and omega all.
     """
     t = symbols("v omega to turn_to share held q V W l", "held V W l")
     d = held_loop.push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held

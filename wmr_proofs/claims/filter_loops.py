@@ -23,17 +23,20 @@ LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping"
 """Settings for the structure of the clip of linear loops; its numbers are symbols."""
 
 
-@claim("filter.wheel-box", given="l > 0; |v + l omega|, |v - l omega| <= min(V, l Omega)")
+@claim("filter.wheel-box")
 def wheel_box(mutation: Mutation) -> Statement:
     """|v| <= V and |omega| <= Omega.
 
     Limits on each wheel alone keep the body's limits, however different the two wheels are.
+
+    Given: l > 0; |v + l omega|, |v - l omega| <= min(V, l Omega).
     """
     t = symbols("v omega V Omega l", "V Omega l")
-    top = mutation(1, 1.01) * ca.fmin(t.V, t.l * t.Omega)
-    rims = [t.v + way * t.l * t.omega for way in WAYS]
-    given = t.l > 0, [within(rim, top) for rim in rims]
-    goals = within(t.v, t.V), within(t.omega, t.Omega)
+    v, omega, V, Omega, l = t.values()
+    top = mutation(1, 1.01) * ca.fmin(V, l * Omega)
+    rims = [v + way * l * omega for way in WAYS]
+    given = l > 0, [within(rim, top) for rim in rims]
+    goals = within(v, V), within(omega, Omega)
     return Statement(t, goals, given)
 
 
@@ -45,14 +48,15 @@ COUNTING: dict[str, object] = {
 
 @claim(
     "filter.in-time",
-    given="samples have come in time since one that did not, and the filter's count is that many, "
-    "at most the commands that may act on either axis; the next comes in time or not",
 )
 def in_time(mutation: Mutation) -> Statement:
     """behind that one the count is as right, and the governor trusts its bounds where it is as many
     as the commands that may act.
 
     Behind a late sample the clip acts until every command that may still act was sent in time.
+
+    Given: samples have come in time since one that did not, and the filter's count is that many, at
+    most the commands that may act on either axis; the next comes in time or not.
     """
     graph = Governor(load_scenario("paper-simulation", COUNTING))
     (count,) = list(graph.counted)
@@ -104,14 +108,15 @@ def least(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.ramp-rim",
-    given="l > 0; changes in a step away from 0 and towards it: 0 <= grow <= l turn_back, 0 <= l "
-    "turn <= shrink, of v grow and shrink, of omega turn and turn_back; |v + l omega|, |v - l "
-    "omega| <= W of the ramped command and of the one that it nears",
 )
 def ramp_rim(mutation: Mutation) -> Statement:
     """The ramped command has |v + l omega|, |v - l omega| <= W after the step, too.
 
     Ramps on which each axis stops no slower than the other starts keep a limit of wheels.
+
+    Given: l > 0; changes in a step away from 0 and towards it: 0 <= grow <= l turn_back, 0 <= l
+    turn <= shrink, of v grow and shrink, of omega turn and turn_back; |v + l omega|, |v - l omega|
+    <= W of the ramped command and of the one that it nears.
     """
     t = symbols("v omega u w W l grow shrink turn turn_back", "W l grow shrink turn turn_back")
     l, pairs = t.l, ((t.v, t.omega), (t.u, t.w))

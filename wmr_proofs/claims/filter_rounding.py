@@ -88,13 +88,14 @@ def target(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.relaxed",
-    given="|w| <= 2 V, 0 <= share <= 2, |share (target - w)| <= 8 V; operations rounded by at "
-    "most 2^-53",
 )
 def carried_on(mutation: Mutation) -> Statement:
     """the computed relaxed(w, target) misses w + share (target - w) by at most 2^-48 V.
 
     What is carried from sample to sample is computed well enough.
+
+    Given: |w| <= 2 V, 0 <= share <= 2, |share (target - w)| <= 8 V; operations rounded by at most
+    2^-53.
     """
     s = symbols("V w target share next", "V")
     V, way = s.V, s.share * (s.target - s.w)
@@ -107,9 +108,6 @@ def carried_on(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.piece",
-    given="w + e >= v, the speed; w, the computed bound; mean <= target + d, most d <= 2^-48 V, "
-    "most |target| <= 4 V; 0 <= least <= share <= most <= 1, the computed shares within 2^-49 of "
-    "least and most, and off beyond; off <= 2^-47, off |target| <= 1.625 2^-46 V",
     premises="filter.rounding.target filter.rounding.rim filter.rounding.relaxed",
     each={"rising": {"sign": 1, "goes": "most_as"}, "falling": {"sign": -1, "goes": "least_as"}},
 )
@@ -117,6 +115,10 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     """v + share (mean - v) <= relaxed(w, target) - 2^-48 V + (1 - least) e + 2^-44 V.
 
     However short a piece of time is, the speed gains on its computed bound by at most 2^-44 of V.
+
+    Given: w + e >= v, the speed; w, the computed bound; mean <= target + d, most d <= 2^-48 V, most
+    |target| <= 4 V; 0 <= least <= share <= most <= 1, the computed shares within 2^-49 of least and
+    most, and off beyond; off <= 2^-47, off |target| <= 1.625 2^-46 V.
     """
     s = symbols("V w v d target mean share most least most_as least_as e off", "V")
     V, e, most, share = s.V, s.e, s.most, s.share
@@ -186,14 +188,15 @@ LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
 
 @claim(
     "filter.rounding.rest",
-    given="T > 0; 0 <= age <= 1.2 T, odometry's age; pieces of an example's schedule; operations "
-    "rounded by at most 2^-53",
 )
 def rest(mutation: Mutation) -> Statement:
     """of a piece from start to end, what is left at -age misses end + age by at most 2^-52 age, as
     computed; where it is taken as over or as whole, it is to within 2^-52 age.
 
     Older odometry divides a piece of time at the right instant but for roundings.
+
+    Given: T > 0; 0 <= age <= 1.2 T, odometry's age; pieces of an example's schedule; operations
+    rounded by at most 2^-53.
     """
     s = symbols("age T rest", "T")
     age, T = s.age, s.T
@@ -218,12 +221,13 @@ def rest(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.odometry",
-    given="v <= y + nbar, |v| <= V (1 + 2^-28); operations rounded by at most 2^-53",
 )
 def odometry(mutation: Mutation) -> Statement:
     """v <= min(y + nbar, V) + 2^-28 V, the sum as computed.
 
     A bound from odometry is too low by no more than a carried one.
+
+    Given: v <= y + nbar, |v| <= V (1 + 2^-28); operations rounded by at most 2^-53.
     """
     s, b = _numbers("v y sum")
     V, slack = b.V, SLACK * b.V
@@ -235,14 +239,15 @@ def odometry(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.agrees",
-    given="v <= above + (2^-28 + n 2^-44) V, -v <= below + (2^-28 + n 2^-44) V, above and below as "
-    "computed and at most V; n <= 2^16; operations rounded by at most 2^-53",
 )
 def agrees(mutation: Mutation) -> Statement:
     """above + below >= -2^-15 V, as computed.
 
     Roundings alone never make odometry contradict the stated bounds, even where all of them are met
     to the last bit.
+
+    Given: v <= above + (2^-28 + n 2^-44) V, -v <= below + (2^-28 + n 2^-44) V, above and below as
+    computed and at most V; n <= 2^16; operations rounded by at most 2^-53.
     """
     s = symbols("V v above below n sum least", "V")
     V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
@@ -255,13 +260,14 @@ def agrees(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.free.way",
-    given="v <= w + 2^-27 V, |w| and |m| <= 4 V; 0 <= A_least <= A <= A_most <= t, both computed "
-    "to within 2^-49; x <= m t + (v - m) A; operations rounded by at most 2^-53",
 )
 def way(mutation: Mutation) -> Statement:
     """x <= farthest(w, m, t) + 1.25 2^-27 V t.
 
     In a piece of time the base goes hardly farther than computed.
+
+    Given: v <= w + 2^-27 V, |w| and |m| <= 4 V; 0 <= A_least <= A <= A_most <= t, both computed to
+    within 2^-49; x <= m t + (v - m) A; operations rounded by at most 2^-53.
     """
     s = symbols("t A least most least_as most_as V v w m x far")
     t, slack = s.t, 2 * SLACK * s.V
@@ -289,13 +295,14 @@ class Line(Stop[ca.SX]):
 
 @claim(
     "filter.rounding.free.line",
-    given="0 <= q <= 1, 0 <= A = tau q <= D, 0 <= A_B; q computed to within 2^-49; operations "
-    "rounded by at most 2^-53",
 )
 def line(mutation: Mutation) -> Statement:
     """the computed s and r miss D - A + A_B q and A + A_B (1 - q) by at most 2^-46 (D + A_B).
 
     The line by which a distance limits a command is computed well enough.
+
+    Given: 0 <= q <= 1, 0 <= A = tau q <= D, 0 <= A_B; q computed to within 2^-49; operations
+    rounded by at most 2^-53.
     """
     t = symbols("tau acts last at q fading minus s r")
     D, A, none = t.acts + (t.last - t.at), t.tau * t.q, ca.SX(0)
@@ -313,37 +320,41 @@ def line(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.rounding.free.command",
-    given="0 < s; 0 <= r, d, speed; way, r max(speed, d) <= F; |room| <= 4 F, all as computed; "
-    "0 <= u <= hi; operations rounded by at most 2^-53",
 )
 def command(mutation: Mutation) -> Statement:
     """way + r max(speed, d) + (K_max u + d) s <= room + 2^-46 F.
 
     A computed command keeps its line but for roundings.
+
+    Given: 0 < s; 0 <= r, d, speed; way, r max(speed, d) <= F; |room| <= 4 F, all as computed; 0 <=
+    u <= hi; operations rounded by at most 2^-53.
     """
     t, none = symbols("F K push room s r way speed u hi"), ca.SX(0)
-    stop = Line((t.r, t.r), t.push, None, none, none, none)
-    made = (stop.steady(t.room, [Reached(t.s, t.way, t.speed)]) - t.push) / t.K
-    led, most = t.r * ca.fmax(t.speed, t.push), mutation(1, 2.0**-10) * 2.0**-46 * t.F
+    F, K, push, room, s, r, way, speed, u, hi = t.values()
+    stop = Line((r, r), push, None, none, none, none)
+    made = (stop.steady(room, [Reached(s, way, speed)]) - push) / K
+    led, most = r * ca.fmax(speed, push), mutation(1, 2.0**-10) * 2.0**-46 * F
     given = (
-        t.K > 0, t.s > 0, nonnegative(t.r, t.push, t.way, t.speed), t.way <= t.F,
-        led <= t.F, within(t.room, 4 * t.F), between(0, t.u, t.hi),
+        K > 0, s > 0, nonnegative(r, push, way, speed), way <= F,
+        led <= F, within(room, 4 * F), between(0, u, hi),
     )  # fmt: skip
-    need = t.way + led + (t.K * t.u + t.push) * t.s
-    return Statement(t, t.room + most >= need, given, computed={"hi": made})
+    need = way + led + (K * u + push) * s
+    return Statement(t, room + most >= need, given, computed={"hi": made})
 
 
 @claim(
     "filter.rounding.free.ramp",
-    given="0 < K, A, h; 0 <= room; 0 <= u <= hi; operations rounded by at most 2^-53",
 )
 def ramp(mutation: Mutation) -> Statement:
     """w h + w^2/(2 A) <= (1 + 2^-48) room, w = K u.
 
     A base that slows down by A stops within its room but for roundings of the command.
+
+    Given: 0 < K, A, h; 0 <= room; 0 <= u <= hi; operations rounded by at most 2^-53.
     """
     t = symbols("K A h room u hi")
-    w, most = t.K * t.u, 1 + mutation(1, 2.0**-5) * 2.0**-48
-    given = positive(t.K, t.A, t.h), t.room >= 0, between(0, t.u, t.hi)
-    goal = most * t.room >= w * t.h + w * w / (2 * t.A)
-    return Statement(t, goal, given, computed={"hi": stopping_speed(t.room, t.h, t.A) / t.K})
+    K, A, h, room, u, hi = t.values()
+    w, most = K * u, 1 + mutation(1, 2.0**-5) * 2.0**-48
+    given = positive(K, A, h), room >= 0, between(0, u, hi)
+    goal = most * room >= w * h + w * w / (2 * A)
+    return Statement(t, goal, given, computed={"hi": stopping_speed(room, h, A) / K})

@@ -248,10 +248,6 @@ WHEELS = (
 
 @claim(
     "filter.rims.{key}",
-    given="any odometry within nbar of v and omega, or none, any time since the last sample; the "
-    "bounds that were kept hold if that is a period; w within W; no delay, jitter or losses, H = "
-    "T; l, T > 0, 0 < tau_min <= tau_max; 0 < K_min <= K <= K_max, |d_v| + l |d_omega| <= dbar_v + "
-    "l dbar_omega < W, each within its own; u at most the step's limit (filter.sent.{key})",
     premises="filter.sent.{key}",
     over=WHEELS,
     each={
@@ -266,6 +262,11 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     2^-26); {what}.
 
     The limit of a wheel counts pushes and errors of both axes.
+
+    Given: any odometry within nbar of v and omega, or none, any time since the last sample; the
+    bounds that were kept hold if that is a period; w within W; no delay, jitter or losses, H = T;
+    l, T > 0, 0 < tau_min <= tau_max; 0 < K_min <= K <= K_max, |d_v| + l |d_omega| <= dbar_v + l
+    dbar_omega < W, each within its own; u at most the step's limit (filter.sent.{key}).
     """
     graph, way = governor(more), WAYS[side]
     f = symbols("v1 v2 u K d1 d2 E kappa gone")

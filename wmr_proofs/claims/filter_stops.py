@@ -44,22 +44,26 @@ class Lowered(Named):
         return ca.fmax(self.V, self.dbar + share * (self.v_bar - self.dbar))
 
 
-@claim("filter.limits.enters", given=f"{LOWERED}; V < v_bar, u <= hi, mean <= drive(u)")
+@claim("filter.limits.enters")
 def enters(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= max(V, d + E (v_bar - d)), and <= v_bar.
 
     Above a limit the base is inside no later than a stop would bring it there.
+
+    Given: {LOWERED}; V < v_bar, u <= hi, mean <= drive(u).
     """
     a = Lowered(mutation)
     goals = a.stopped(a.E) >= a.end, a.v_bar >= a.end
     return a.states(goals, given=(a.given, a.v_bar > a.V, a.hi >= a.u))
 
 
-@claim("filter.limits.inside", given=f"{LOWERED}; v_bar <= V, u <= hi, mean <= drive(u)")
+@claim("filter.limits.inside")
 def inside(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= V, and hi >= 0.
 
     Below a limit it stays inside.
+
+    Given: {LOWERED}; v_bar <= V, u <= hi, mean <= drive(u).
     """
     a = Lowered(Mutation(1))
     below = mutation(1, 0.99) * a.v_bar <= a.V
@@ -67,11 +71,13 @@ def inside(mutation: Mutation) -> Statement:
     return a.states(goals, given=(a.given, below, a.hi >= a.u))
 
 
-@claim("filter.limits.no-larger", given=f"{LOWERED}; d < V <= v_bar, hi < u")
+@claim("filter.limits.no-larger")
 def no_larger(mutation: Mutation) -> Statement:
     """e2 v_bar + (1 - e2)(K_max u + d) > max(V, d + e2 (v_bar - d)).
 
     A larger command leaves the slowest base outside for longer than a stop.
+
+    Given: {LOWERED}; d < V <= v_bar, hi < u.
     """
     a = Lowered(Mutation(1))
     sent = a.u > mutation(1, 0.99) * a.hi, a.dbar < a.V, a.v_bar >= a.V
@@ -79,22 +85,26 @@ def no_larger(mutation: Mutation) -> Statement:
     return a.states(end > a.stopped(a.e2), given=(a.given, sent))
 
 
-@claim("filter.free.brake", given="v <= v_bar; afterwards the speed is v, or 0")
+@claim("filter.free.brake")
 def brake(mutation: Mutation) -> Statement:
     """Either speed is at most max(v_bar, 0).
 
     A brake that closes on a moving base leaves the bounds of both directions valid.
+
+    Given: v <= v_bar; afterwards the speed is v, or 0.
     """
     t = symbols("v v_bar stands")
     after = ca.if_else(t.stands > 0, mutation(0, 1), t.v)
     return Statement(t, ca.fmax(t.v_bar, 0) >= after, t.v_bar >= t.v)
 
 
-@claim("filter.free.way", given="0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A")
+@claim("filter.free.way")
 def way(mutation: Mutation) -> Statement:
     """x <= farthest(w, m, t).
 
     The way in a piece of time is bounded by one of both time constants.
+
+    Given: 0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A.
     """
     t = symbols("t A A_least A_most v w m x")
     ends = between(0, t.A_least, mutation(1, 1.01) * t.A)
@@ -141,12 +151,13 @@ class Plan(Named):
 
 @claim(
     "filter.free.plan",
-    given="tau_min <= tau_max, 0 <= d <= w; m <= steady(free), the largest steady speed",
 )
 def plan(mutation: Mutation) -> Statement:
     """m D + (w - m) A + A_B (w + (m - w) q - d) + d B <= free, for both ends of tau.
 
     A command that the graph admits leaves a way that is free, whichever end of tau is true.
+
+    Given: tau_min <= tau_max, 0 <= d <= w; m <= steady(free), the largest steady speed.
     """
     a = Plan()
     admitted = a.most(mutation) >= a.m
@@ -156,13 +167,14 @@ def plan(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.free.real",
-    given="d <= m; A and q of the true tau between those of its ends, v <= w; x_2 and v_3: way and "
-    "speed under the command, x_3: during the rest",
 )
 def real(mutation: Mutation) -> Statement:
     """x_2 + x_3 <= the larger of both ways m D + (w - m) A + A_B (w + (m - w) q - d) + d B.
 
     The way of the true base is at most that of one end of tau.
+
+    Given: d <= m; A and q of the true tau between those of its ends, v <= w; x_2 and v_3: way and
+    speed under the command, x_3: during the rest.
     """
     t = symbols("D A_1 A_2 q_1 q_2 A_B d B w m v a q a_B x_2 v_3 x_3")
     ends = ((t.A_1, t.q_1), (t.A_2, t.q_2))
@@ -181,11 +193,13 @@ def real(mutation: Mutation) -> Statement:
     return Statement(t, ca.fmax(*ways) >= t.x_2 + t.x_3, given)
 
 
-@claim("filter.free.necessary", given="tau_min <= tau_max, 0 <= d <= w <= m; steady(free) < m")
+@claim("filter.free.necessary")
 def necessary(mutation: Mutation) -> Statement:
     """The way of one end of tau is beyond the free one.
 
     No larger command stops every base in time.
+
+    Given: tau_min <= tau_max, 0 <= d <= w <= m; steady(free) < m.
     """
     a = Plan()
     beyond = a.m > mutation(1, 0.99) * a.most(Mutation(1))
@@ -208,12 +222,13 @@ def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relations]]
 
 @claim(
     "filter.leave.roll",
-    given="0 <= d, v_3 <= 0, A(B; tau_min) <= a_B <= B; x_3 <= d B + (v_3 - d) a_B",
 )
 def roll(mutation: Mutation) -> Statement:
     """x_3 <= d (B - A(B; tau_min)).
 
     One release of a command away rolls at most so far.
+
+    Given: 0 <= d, v_3 <= 0, A(B; tau_min) <= a_B <= B; x_3 <= d B + (v_3 - d) a_B.
     """
     t, stop, given = _leaving(mutation)
     cuts = {"minus_A_least": -stop.quick}
@@ -222,13 +237,14 @@ def roll(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.free.retreat",
-    given="v_3 <= max(w, target) <= 0, x_1 <= way before, x_2 <= 0; x_3 <= d B + (v_3 - d) a_B; "
-    "retreat(...) <= free",
 )
 def retreat(mutation: Mutation) -> Statement:
     """x_1 + x_2 + x_3 <= free, and x_1 + x_2 <= free.
 
     A command away that its distance certifies rolls no farther than is free.
+
+    Given: v_3 <= max(w, target) <= 0, x_1 <= way before, x_2 <= 0; x_3 <= d B + (v_3 - d) a_B;
+    retreat(...) <= free.
     """
     t, stop, given = _leaving(Mutation(1))
     speed = ca.fmax(t.w, t.target)
@@ -242,14 +258,14 @@ def retreat(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.leave.hold",
-    given="0 <= d, 0 < p, A(B; tau_min) <= a_B <= B; a command with the pull p acts for h >= "
-    "hold(p) from rest: x_2 <= -p (h - a), v_3 <= -p q, a <= tau_max q, q <= 1; x_3 <= d B + "
-    "(v_3 - d) a_B",
 )
 def hold(mutation: Mutation) -> Statement:
     """x_2 + x_3 <= 0.
 
     After the hold a release ends no nearer than where the command began.
+
+    Given: 0 <= d, 0 < p, A(B; tau_min) <= a_B <= B; a command with the pull p acts for h >= hold(p)
+    from rest: x_2 <= -p (h - a), v_3 <= -p q, a <= tau_max q, q <= 1; x_3 <= d B + (v_3 - d) a_B.
     """
     t, stop, given = _leaving(Mutation(1))
     given += [
@@ -262,12 +278,13 @@ def hold(mutation: Mutation) -> Statement:
 
 @claim(
     "filter.leave.away",
-    given="0 < K_min <= K, |push| <= d; u <= -d/K_min; v <= 0, 0 <= E <= 1, 0 <= A <= t",
 )
 def away(mutation: Mutation) -> Statement:
     """K u + push <= 0; E v + (1 - E)(K u + push) <= 0; (K u + push) t + (v - K u - push) A <= 0.
 
     From rest a command away creeps nothing while it acts, whatever pushes.
+
+    Given: 0 < K_min <= K, |push| <= d; u <= -d/K_min; v <= 0, 0 <= E <= 1, 0 <= A <= t.
     """
     t = symbols("K_min K u d push v E A t")
     target = t.K * t.u + t.push
@@ -281,27 +298,31 @@ def away(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
-@claim("filter.free.ramp", given="0 < A, h; 0 <= room; 0 <= m <= stopping_speed(room)")
+@claim("filter.free.ramp")
 def ramp(mutation: Mutation) -> Statement:
     """m h + m^2/(2 A) <= room.
 
     A base that slows down by A stops within the room that it has.
+
+    Given: 0 < A, h; 0 <= room; 0 <= m <= stopping_speed(room).
     """
     t = symbols("A h room m")
-    most = mutation(1, 1.01) * stopping_speed(t.room, t.h, t.A)
-    goal = t.room >= t.m * t.h + t.m * t.m / (2 * t.A)
-    return Statement(t, goal, (positive(t.A, t.h), t.room >= 0, between(0, t.m, most)))
+    A, h, room, m = t.values()
+    most = mutation(1, 1.01) * stopping_speed(room, h, A)
+    goal = room >= m * h + m * m / (2 * A)
+    return Statement(t, goal, (positive(A, h), room >= 0, between(0, m, most)))
 
 
 @claim(
     "guard.falling",
-    given="0 < M_min <= M <= M_max, 0 < T, 0 <= net <= brake; v <= V_0, V_0 - largest_fall <= V_1, "
-    "f_speed < V_1; v_1 <= max(V_1, v - T (braking - net)/M)",
 )
 def falling(mutation: Mutation) -> Statement:
     """v_1 <= V_1, and the fall is at least 0.
 
     A limit that falls no faster than the guard surely brakes is kept.
+
+    Given: 0 < M_min <= M <= M_max, 0 < T, 0 <= net <= brake; v <= V_0, V_0 - largest_fall <= V_1,
+    f_speed < V_1; v_1 <= max(V_1, v - T (braking - net)/M).
     """
     names = "M_min M_max dbar f_min f_speed nbar alpha brake M T v v_1 V_0 V_1"
     t = symbols(names)

@@ -151,7 +151,6 @@ def ceiling_smooth(mutation: Mutation) -> Statement:
 @claim(
     "gain.fades",
     (9, 10, 15),
-    given=f"every 0 < v_u2 < v_u1, rho, M, D > 0, any v_c0; {STAR}",
     by=Ring((near_limit(1), near_limit(-1)), log_lemma=True),
     premises="gain.cover lemma.log",
 )
@@ -161,6 +160,8 @@ def fades(mutation: Mutation) -> Statement:
 
     However small a disturbing force is, close enough to the limit the barrier's share of the law
     resists less than half of it.
+
+    Given: every 0 < v_u2 < v_u1, rho, M, D > 0, any v_c0; {STAR}.
     """
     a, v, c, u1, u2 = barrier_axis()
     t = symbols("rho M D", "rho M")
@@ -191,11 +192,13 @@ def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:
     return a.states(form(s * c, s * v, u1, u2).y > mutation(0.5, 1))
 
 
-@claim("gain.cover", given="every 0 < v_u2 < v_u1, k = rho M/D > 0, any v_c0")
+@claim("gain.cover")
 def covered(mutation: Mutation) -> Statement:
     """the chart of gain.fades and gain.closed runs through all of [v*, v_u1).
 
     Nothing was left out.
+
+    Given: every 0 < v_u2 < v_u1, k = rho M/D > 0, any v_c0.
     """
     # The numbers e and i that give a point of [v*, v_u1) back.
     a, v, c, u1, u2 = barrier_axis()
@@ -210,7 +213,7 @@ def covered(mutation: Mutation) -> Statement:
 
 @claim(
     "gain.none{key}",
-    given=f"v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1",
+
     premises="gain.fades {parts}",
     over=(
         {"key": "", "equations": (9,), "words": "paper's", "form": "paper",
@@ -225,6 +228,8 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
 
     From v* on, law (9) lets a constant force D > 0 drive the robot outwards all the way, however
     small D is. The gradient law in its place does not (the altered claim).
+
+    Given: v_c0 held, model exact, v below the clip; {STAR}; mirrored at -v_u1.
     """
     law = LawGraph("mb", ("gains.mb.barrier", form))
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
@@ -249,7 +254,6 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
 @claim(
     "gain.levels",
     (9,),
-    given="paper limits and gains",
     by=Table(points=held_back),
     premises="authority.lower-linear authority.lower-angular",
 )
@@ -259,6 +263,8 @@ def levels(mutation: Mutation) -> Statement:
 
     What the barrier withstands from below and what it gives way to from v* on do not contradict
     each other.
+
+    Given: paper limits and gains.
     """
     # v* of a disturbance that is held back at v lies beyond v; low = D/M.
     t = symbols("v c u1 u2 rho low", "u1 u2 rho")

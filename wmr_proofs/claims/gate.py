@@ -86,44 +86,52 @@ class GateStep:
         return self.timed, self.below(tops)
 
 
-@claim("gate.inside", given=SOUND)
+@claim("gate.inside")
 def inside(mutation: Mutation) -> Statement:
     """|sent_i| <= (V_i - dbar_i)/K_max_i.
 
     Whatever arrives, in any order and however late, the gate sends a command that the clip could
     have sent, so the clip's theorem (filter.clip) covers the base.
+
+    Given: {SOUND}.
     """
     g = GateStep()
     return Statement(g.symbols, g.below([mutation(1, 0.99) * top for top in g.limits]), g.sound)
 
 
-@claim("gate.stop", given=f"{SOUND}; stop > 0")
+@claim("gate.stop")
 def stop(mutation: Mutation) -> Statement:
     """sent_i = 0.
 
     A stop sends 0 at once, not a ramp.
+
+    Given: {SOUND}; stop > 0.
     """
     g = GateStep()
     goals = tuple(g.sent[i] == mutation(0, 1e-3) * g[gate.LAST][i] for i in AXES)
     return Statement(g.symbols, goals, (g.sound, g[gate.STOP] > 0))
 
 
-@claim("gate.stale", given=f"{SOUND}; {GONE}; age of the command > timeout")
+@claim("gate.stale")
 def stale(mutation: Mutation) -> Statement:
     """|sent_i| <= max(|last_i| - fall_i t, 0).
 
     Without a recent command the base is brought to rest.
+
+    Given: {SOUND}; {GONE}; age of the command > timeout.
     """
     g = GateStep()
     old = g[gate.COMMAND_AGE] > ca.SX(SETTINGS.command_timeout)
     return Statement(g.symbols, g.falling(mutation), (g.sound, old))
 
 
-@claim("gate.latched", given=f"{SOUND}; {GONE}; latched > 0, reset <= 0")
+@claim("gate.latched")
 def latched(mutation: Mutation) -> Statement:
     """|sent_i| <= max(|last_i| - fall_i t, 0), and the step after is latched as well.
 
     What was stopped stays stopped until a reset.
+
+    Given: {SOUND}; {GONE}; latched > 0, reset <= 0.
     """
     g = GateStep()
     after = g.system.update[-3]
@@ -131,11 +139,13 @@ def latched(mutation: Mutation) -> Statement:
     return Statement(g.symbols, (g.falling(mutation), after == 1), given)
 
 
-@claim("gate.rise", given=f"{SOUND}; {GONE}; whatever command the ramp leads to")
+@claim("gate.rise")
 def rise(mutation: Mutation) -> Statement:
     """|sent_i| <= |last_i| + rise_i t.
 
     No command speeds the base up faster than is stated.
+
+    Given: {SOUND}; {GONE}; whatever command the ramp leads to.
     """
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.gone for i in AXES]
@@ -146,8 +156,6 @@ def rise(mutation: Mutation) -> Statement:
 
 @claim(
     "gate.inside.{key}",
-    given="a gate with its default times and ramps before a clip of first-order loops; l > 0; (V - "
-    "dbar)/K_max > 0 of each speed; every real input of any size, any time since the last step",
     over=SHAPES,
 )
 def inside_shapes(
@@ -156,6 +164,9 @@ def inside_shapes(
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the gate sends: {limited}.
 
     The gate sends what the clip could have sent, whichever speeds that limits.
+
+    Given: a gate with its default times and ramps before a clip of first-order loops; l > 0; (V -
+    dbar)/K_max > 0 of each speed; every real input of any size, any time since the last step.
     """
     table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
@@ -196,15 +207,16 @@ class BehindGovernor:
 
 @claim(
     "gate.governor",
-    given="a gate with its default times and ramps before a governor of v and omega, one factor; "
-    "the governor's four limits above 0 (filter.limits); every real input of any size, any time "
-    "since the last step",
     premises="filter.limits",
 )
 def before_governor(mutation: Mutation) -> Statement:
     """sent_i is at most the governor's limit of the step, either way.
 
     Before a governor, too, the gate sends only what the filter could have sent (filter.sent-*).
+
+    Given: a gate with its default times and ramps before a governor of v and omega, one factor; the
+    governor's four limits above 0 (filter.limits); every real input of any size, any time since the
+    last step.
     """
     g = BehindGovernor()
     goals, cuts = list[Relations](), {f"goal{i}": g.goal[i] for i in AXES}

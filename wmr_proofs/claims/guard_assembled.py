@@ -25,12 +25,14 @@ from .guard_sample import NUMBERS_FREE
 claim = Claims(by=Z3())
 
 
-@claim("guard.axes", given="T > 0")
+@claim("guard.axes")
 def axes(mutation: Mutation) -> Statement:
     """guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point likewise,
     i = 1, 2.
 
     What is proved for one axis holds for both.
+
+    Given: T > 0.
     """
     one, two = GuardAxis(), GuardAxis()
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a}
@@ -45,7 +47,6 @@ def axes(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.promise",
-    given="at once (delay = 0 in the claim), behind a delay, and with jitter",
     each=EACH,
 )
 def promise(mutation: Mutation, a: GuardAxis) -> Statement:
@@ -54,6 +55,8 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     M_min (u1 - 2 nbar).
 
     The published flag implies the theorem's hypotheses, apart from signs.
+
+    Given: at once (delay = 0 in the claim), behind a delay, and with jitter.
     """
     b = a.bounds
     need = mutation(2, 2.01) * a.net * (1 + b.alpha * a.late)
@@ -64,7 +67,7 @@ def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     return a.states(room, spread, brakes, order, given=feasible(b) > 0)
 
 
-@claim("guard.simulated", given="every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs")
+@claim("guard.simulated")
 def simulated(mutation: Mutation) -> Statement:
     """one Runge-Kutta step h of the plant ends at v1 <= max(v1 + h max(F, 0)/m, h (|F| + 2 mu m
     g)/m), F the sum of all pushes; omega ends at omega + h N/I.
@@ -73,6 +76,8 @@ def simulated(mutation: Mutation) -> Statement:
     that friction alone reverses within a step. This is over the real numbers: the step's own
     rounding, some units in the last place of v a step, is not counted, so the simulated v may pass
     u1 by that much.
+
+    Given: every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs.
     """
     robot = plant(load_scenario(PRESET))
     t = scalars(ports_of(robot)) | symbols("step", "step")
@@ -113,11 +118,13 @@ def not_blamed(mutation: Mutation) -> Statement:
     return Statement(a | t, ca.fmax(t.push, 0) >= least, given)
 
 
-@claim("guard.monitor-quiet", given="any bounds with T, M_min > 0, nbar >= 0")
+@claim("guard.monitor-quiet")
 def quiet(mutation: Mutation) -> Statement:
     """d_least = 0 where the measured velocities are not both beyond nbar on the same side.
 
     At rest and at a change of direction it reports nothing.
+
+    Given: any bounds with T, M_min > 0, nbar >= 0.
     """
     a = GuardAxis()
     b, old = a.bounds, ca.SX.sym("old")
@@ -129,13 +136,14 @@ def quiet(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.monitor-sharp",
-    given="T > 0, nbar = 0, M_min = M_max = M > 0, no friction, push >= 0 in the direction of "
-    "motion, which is that of both velocities",
 )
 def sharp(mutation: Mutation) -> Statement:
     """d_least is the push of the sample, forwards and backwards.
 
     Where nothing is uncertain the monitor measures the disturbance.
+
+    Given: T > 0, nbar = 0, M_min = M_max = M > 0, no friction, push >= 0 in the direction of
+    motion, which is that of both velocities.
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old push way")
@@ -157,8 +165,6 @@ SINCE = Since(
 
 @claim(
     "guard.monitor-late",
-    given="mean: either of two commands for T/2, the older for T/4; rest: the newer for T/2, "
-    "either for 3 T/4; no lag; M_min, T > 0, nbar, D >= 0; either axis",
 )
 def late(mutation: Mutation) -> Statement:
     """late velocities: d_least <= D where the velocity changed since the previous sample, either
@@ -166,6 +172,9 @@ def late(mutation: Mutation) -> Statement:
     rest.
 
     The monitor never reports bounds that explain the motion, not even behind a delay with jitter.
+
+    Given: mean: either of two commands for T/2, the older for T/4; rest: the newer for T/2, either
+    for 3 T/4; no lag; M_min, T > 0, nbar, D >= 0; either axis.
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old D F1 F2 N1 N2")
@@ -230,11 +239,13 @@ class MappedWheels(Named):
 map_claim = Claims(by=Z3())
 
 
-@map_claim("wheels.reach", (4,), given="r, l > 0")
+@map_claim("wheels.reach", (4,))
 def torques(mutation: Mutation) -> Statement:
     """max |tau| = (r/2) (|F| + |N|/l).
 
     The torque limit is a diamond of forces.
+
+    Given: r, l > 0.
     """
     w = MappedWheels()
     t = w.symbols
@@ -244,12 +255,14 @@ def torques(mutation: Mutation) -> Statement:
     return Statement(t, largest == t.r / 2 * size, positive(t.half, t.r))
 
 
-@map_claim("wheels.necessary", given="F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0")
+@map_claim("wheels.necessary")
 def necessary(mutation: Mutation) -> Statement:
     """dbar1 + dbar2/l > phi = 2 tau_max/r: a force that holds both velocities at their limits needs
     a torque above tau_max.
 
     Motors weaker than the disturbances cannot keep both limits, whatever the guard does.
+
+    Given: F + dbar1 <= 0, N + dbar2 <= 0; dbar1, dbar2 >= 0, r, l > 0.
     """
     # At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger.
     w = MappedWheels()
@@ -262,22 +275,26 @@ def necessary(mutation: Mutation) -> Statement:
     return Statement(t, largest > t.phi * t.r / 2, (signs, held, tight))
 
 
-@map_claim("wheels.{name}", given=BOX, over=tuple({"name": name} for name in MAPS))
+@map_claim("wheels.{name}", over=tuple({"name": name} for name in MAPS))
 def mapped(mutation: Mutation, name: str) -> Statement:
     """{name} ends in the guard's box and within reach.
 
     The torque limit does not undo the guard.
+
+    Given: {BOX}.
     """
     w = MappedWheels()
     found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
     return Statement(w, (w.within(found), w.reached(found)), w.given)
 
 
-@map_claim("wheels.per-wheel", given=BOX)
+@map_claim("wheels.per-wheel")
 def clip_per_wheel(mutation: Mutation) -> Statement:
     """a clip of each wheel's torque ends in the guard's box.
 
     False: clipping one wheel changes thrust and moment at once, and can turn braking into driving.
+
+    Given: {BOX}.
     """
     w = MappedWheels()
     t = w.symbols

@@ -160,7 +160,6 @@ def largest(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.delay.rounding.caps",
-    given=f"{RANGE}; {MET}",
     premises="guard.delay.rounding.brakes guard.delay.rounding.largest",
     caps=CAPS,
 )
@@ -168,6 +167,8 @@ def caps(mutation: Mutation) -> Statement:
     """{caps}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
 
     The computed caps keep their order.
+
+    Given: {RANGE}; {MET}.
     """
     a = QueuedAxis()
     both, off = _sum(a)
@@ -272,8 +273,6 @@ WHEELS_ENTRIES = "guard.rounding.maps guard.rounding.torques"
 
 @claim(
     "guard.delay.rounding",
-    given=f"{RANGE}; F <= the larger of two forces that are safe as in "
-    f"guard.delay.rounding.force, to {SPARE}; no overflow, no underflow",
     premises=f"{PARTS} guard.delay.rounding.kept {WHEELS_ENTRIES} guard.axes guard.lemma",
 )
 def together(mutation: Mutation) -> Statement:
@@ -282,6 +281,9 @@ def together(mutation: Mutation) -> Statement:
 
     Behind a constant delay, too, the limit is kept by the exact robot to the last bit, with any
     number of commands under way; what they add up to is put together by hand.
+
+    Given: {RANGE}; F <= the larger of two forces that are safe as in guard.delay.rounding.force, to
+    {SPARE}; no overflow, no underflow.
     """
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
     a = QueuedAxis()

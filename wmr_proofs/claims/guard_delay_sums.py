@@ -57,12 +57,14 @@ class Queue(Named):
 claim = Claims(by=Z3(), premises="assumption.libm")
 
 
-@claim("guard.delay.rounding.read", given=f"any torques, r, l > 0{ROUNDS}")
+@claim("guard.delay.rounding.read")
 def read(mutation: Mutation) -> Statement:
     """the force that the guard reads back from a sent command differs from the exact force of its
     torques by at most 5 2^-53 of it, on either axis.
 
     Commands under way are remembered as torques and read back as forces.
+
+    Given: any torques, r, l > 0{ROUNDS}.
     """
     t = symbols("right left thrust moment r half", "r half")
     exact = wheel_to_force(t.r, t.half, ca.vertcat(t.right, t.left))
@@ -76,7 +78,6 @@ def read(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.delay.rounding.queue",
-    given=f"the same with g of the sum before, 3 2^-53 <= g <= 2^-24; any F_j; tau_j >= 0{ROUNDS}",
     each={f"{way}-{axis}": WAYS[way] | BOTH_AXES[axis] for way in WAYS for axis in BOTH_AXES},
 )
 def queue(mutation: Mutation, way: int, axis: int) -> Statement:
@@ -84,6 +85,8 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     off growing by tau_j (lost + 2^-52 |net|); and the same of -F_j, on each axis.
 
     The computed sum over the commands is too small by no more than this.
+
+    Given: the same with g of the sum before, 3 2^-53 <= g <= 2^-24; any F_j; tau_j >= 0{ROUNDS}.
     """
     q = Queue(axis)
     name = "front" if way > 0 else "rear"
@@ -101,7 +104,6 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
 
 @claim(
     "guard.delay.rounding.both",
-    given=f"the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}",
     each=BOTH_AXES,
 )
 def both(mutation: Mutation, axis: int) -> Statement:
@@ -109,6 +111,8 @@ def both(mutation: Mutation, axis: int) -> Statement:
     2^-53 |net|); on each axis.
 
     The computed sum is never so large that no room is left for braking.
+
+    Given: the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}.
     """
     q = Queue(axis)
     whole = q.sums(SENT)
@@ -123,11 +127,13 @@ def both(mutation: Mutation, axis: int) -> Statement:
     return Statement(q, goal, given, q.before, computed=computed)
 
 
-@claim("guard.delay.rounding.scaled", given=f"sums >= 0, T, M_min > 0{ROUNDS}")
+@claim("guard.delay.rounding.scaled")
 def scaled(mutation: Mutation) -> Statement:
     """the sums in m/s or rad/s are those in N or N m, times T/M_min, to 4 2^-53 of that.
 
     The factor that is multiplied at the end.
+
+    Given: sums >= 0, T, M_min > 0{ROUNDS}.
     """
     t = symbols("F N time period M_min dbar f_min front rear ahead back", "period M_min dbar f_min")
     one, none = ca.SX(1), ca.SX(0)

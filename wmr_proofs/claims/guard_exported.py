@@ -160,7 +160,6 @@ EXPORTED = {f"{kind}{key}": {"kind": kind, **row} for kind in MAPS for key, row 
 
 @claim(
     "guard.assembled",
-    given="any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for",
     premises="guard.axes wheels.linear-first wheels.rotation-first",
     each=EXPORTED,
 )
@@ -173,6 +172,8 @@ def assembled(mutation: Mutation, kind: str, delay: int) -> Statement:
     for it; without delay and behind one of two periods.
 
     The exported guard is composed of the parts that the other entries are about.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for.
     """
     return exported(mutation, kind, Assembled(guard, setup(kind, delay)))
 
@@ -214,8 +215,7 @@ def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relations]:
 
 @claim(
     "guard.{at}kept",
-    given="feasible = 1; T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed >= 0; |y - v| "
-    "<= nbar, M_min <= M <= M_max; {inside}",
+
     premises="{parts}",
     over=(
         _DELAYS[""] | {"where": "", "parts": "guard.feasible guard.anchor guard.inside"},
@@ -232,6 +232,9 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     more.
 
     The published flag alone, with what is physical, is enough for one axis.
+
+    Given: feasible = 1; T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed >= 0; |y - v| <=
+    nbar, M_min <= M <= M_max; {inside}.
     """
     # The premises, each of which says when it holds, with the force in the place of what is asked.
     known = [not_empty(CLAIMED, a), anchor(CLAIMED, a)]
@@ -254,9 +257,6 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.assembled.keeps",
-    given="feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed "
-    f">= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; without delay "
-    f"{INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}",
     premises="guard.kept guard.delay.kept",
     each=EXPORTED,
 )
@@ -267,6 +267,10 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
 
     From the published flag to the motion in one step, on the graph that is exported: a step of the
     induction over samples (guard.lemma). Nothing but feasible = 1 is asked of the guard's numbers.
+
+    Given: feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed
+    >= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; without delay
+    {INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}.
     """
     e = Assembled(guard, setup(kind, delay))
     r, half = e.wheels
@@ -297,9 +301,6 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
 
 @claim(
     "guard.assembled.carried",
-    given="feasible = 1; r, l, tau_max, T, delay, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, "
-    "f_speed >= 0; any velocities and any force asked for; behind one of two periods, |F_j| <= "
-    "largest of both torques that are remembered and of both axes",
     premises="guard.delay.caps guard.delay.largest guard.delay.anchor",
     each={kind: {"kind": kind} for kind in MAPS},
 )
@@ -308,6 +309,10 @@ def carried(mutation: Mutation, kind: str) -> Statement:
     torques of the whole guard, with either map; both axes.
 
     What guard.assembled.keeps assumes of the commands under way is handed on from sample to sample.
+
+    Given: feasible = 1; r, l, tau_max, T, delay, alpha, u1, M_min > 0, dbar, nbar, brake, f_min,
+    f_speed >= 0; any velocities and any force asked for; behind one of two periods, |F_j| <=
+    largest of both torques that are remembered and of both axes.
     """
     e = Assembled(guard, setup(kind, 2))
     free, force = symbols("linear angular"), wheel_to_force(*e.wheels, e.torque)

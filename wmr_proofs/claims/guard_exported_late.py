@@ -240,8 +240,6 @@ EXPORTED_LATE = {
 
 @claim(
     "guard.assembled.late",
-    given="any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that "
-    "is asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it",
     premises="guard.axes wheels.linear-first wheels.rotation-first",
     each=EXPORTED_LATE,
 )
@@ -256,6 +254,9 @@ def assembled(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Sta
 
     The exported guard is composed of the parts that the entries about late velocities, jitter and
     lags are about.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that is
+    asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it.
     """
     return exported(mutation, kind, LateAssembled(guard, setup(kind, 0, True, **stated)))
 
@@ -265,8 +266,7 @@ LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
 
 @claim(
     "guard.assembled.alone",
-    given="any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where "
-    "there is one; any force that is asked for",
+
     premises="guard.axes wheels.linear-first",
     each={
         "lag": {"stated": LAG}, "varying-lag": {"stated": LAG | {"actuator.lag_spread": 0.25}},
@@ -285,6 +285,9 @@ def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
     applied, else for late motion.
 
     Each way to be late, by itself, is counted as it is together with the others.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where there
+    is one; any force that is asked for.
     """
     return exported(
         mutation, "linear-first", LateAssembled(guard, setup("linear-first", 0, True, **stated))
@@ -293,8 +296,7 @@ def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
 
 @claim(
     "guard.assembled.controller{late}",
-    given="any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets "
-    "and state",
+
     over=(
         {"late": "", "more": "", "each": EXPORTED,
          "which": "without delay and behind one of two periods"},
@@ -310,6 +312,9 @@ def controller(
     those of the whole guard on the force that the law asks for: with either map, {which}.
 
     What is proved of the exported guard holds for it inside of the controller.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets and
+    state.
     """
     loop, kind_of = (
         setup(kind, delay, True, **(stated or {})),

@@ -92,7 +92,6 @@ def conditions(mutation: Mutation, n: int) -> Statement:
 
 @claim(
     "guard.flag.braking",
-    given=SIGNS + "; as guard.flag.conditions has it",
     premises="guard.flag.conditions assumption.libm",
     each=DELAYS,
 )
@@ -101,6 +100,8 @@ def braking(mutation: Mutation, n: int) -> Statement:
     in size, S = M_min alpha u1 + |net|; n = 0 and 2.
 
     What the flag compares with the wheels' reach is the force with which the guard may brake.
+
+    Given: {SIGNS}; as guard.flag.conditions has it.
     """
     e, free = Flag(n), symbols("first second")
     share = mutation(4, 0.01) * (1 + n) * NEAR
@@ -115,7 +116,6 @@ def braking(mutation: Mutation, n: int) -> Statement:
 
 @claim(
     "guard.flag.reach",
-    given=SIGNS + "; the brakes as guard.flag.braking has them",
     premises="guard.flag.braking assumption.libm",
     each=DELAYS,
 )
@@ -124,6 +124,8 @@ def reach(mutation: Mutation, n: int) -> Statement:
     (S1 + S2/l), FB the exact brakes; n = 0 and 2.
 
     Both axes can brake at once, to within some roundings, wherever the compiled guard says so.
+
+    Given: {SIGNS}; the brakes as guard.flag.braking has them.
     """
     e, free = Flag(n), symbols("flag first second exact1 exact2 size1 size2")
     share, half = 4 * (1 + n) * NEAR, e.wheels[1]
@@ -144,7 +146,6 @@ watched_claim = Claims(by=Z3())
 
 @watched_claim(
     "guard.assembled.watched",
-    given="any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for",
     premises="wheels.linear-first",
 )
 def watched(mutation: Mutation) -> Statement:
@@ -153,6 +154,8 @@ def watched(mutation: Mutation) -> Statement:
     as with the guard.
 
     A run without the guard is monitored with the bounds that the guard would use.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for.
     """
     e = Assembled(asking_controller, setup("linear-first", 0, guarded=False))
     (r, half), asked = e.wheels, mutation(1, 0.9) * e.asked
@@ -161,8 +164,6 @@ def watched(mutation: Mutation) -> Statement:
 
 @watched_claim(
     "guard.assembled.applied",
-    given="0 < e < 1, e = exp(-h/lag); four plant steps in a period, delay of one period and three "
-    "steps",
     premises="world.lag.applied",
 )
 def applied(mutation: Mutation) -> Statement:
@@ -172,6 +173,9 @@ def applied(mutation: Mutation) -> Statement:
     by one place.
 
     Guard, monitor and observer use the torque that the simulated drives produced.
+
+    Given: 0 < e < 1, e = exp(-h/lag); four plant steps in a period, delay of one period and three
+    steps.
     """
     steps, part, h = 4, 3, PERIOD / 4
     late = {"clock.plant": h, "actuator.delay": PERIOD + part * h, "actuator.lag": 0.02}
@@ -200,13 +204,14 @@ def applied(mutation: Mutation) -> Statement:
 
 @watched_claim(
     "guard.delay.rounding.kept",
-    given="n = 1 to 5 commands under way; alpha T <= 1 + 2^-50, v_u1, T, alpha > 0; both axes",
 )
 def kept(mutation: Mutation) -> Statement:
     """the bounds that the exported guard is built with have u1 = v_u1 (1 - kept), kept = (1 + n)
     2^-44 and alpha delay <= n (1 + 2^-50).
 
     The exported guard keeps back the margin that these entries assume.
+
+    Given: n = 1 to 5 commands under way; alpha T <= 1 + 2^-50, v_u1, T, alpha > 0; both axes.
     """
     a, table, goals, given = QueuedAxis(), Cuts(), list[Relations](), list[Relations]()
     for n in range(1, 6):

@@ -48,12 +48,14 @@ def _core(a: GuardAxis, way: int, room: ca.SX, most: ca.SX) -> ca.SX:
     return spare - (a.slow + a.J) * most
 
 
-@claim("guard.varying.moved", given="0 <= exp(-h/a) <= exp(-h/b) <= 1, Z0, p >= 0")
+@claim("guard.varying.moved")
 def varying_moved(mutation: Mutation) -> Statement:
     """Z after a piece of time is at least p + e (Z0 - p) for every e between exp(-h/a) and
     exp(-h/b), lies between Z0 and p, and does not fall where Z0 or p rises.
 
     Z falls slowest with the time constant b and rises fastest with a.
+
+    Given: 0 <= exp(-h/a) <= exp(-h/b) <= 1, Z0, p >= 0.
     """
     t = symbols("z p more_z more_p falls rises between")
     z, p, more_z, more_p, falls, rises, e = t.values()
@@ -65,11 +67,13 @@ def varying_moved(mutation: Mutation) -> Statement:
     return Statement(t, (rises_with, lies), given)
 
 
-@claim("guard.varying.integral", given="where every age counts in full; exponentials free")
+@claim("guard.varying.integral")
 def varying_integral(mutation: Mutation) -> Statement:
     """b Z + its integral = b Z0 + h p + (b - a)(1 - exp(-h/a)) max(p - Z0, 0).
 
     What a piece adds beyond a constant lag b.
+
+    Given: where every age counts in full; exponentials free.
     """
     t = symbols("z p time fast slow falls rises")
     z, p, time, a, b, falls, rises = t.values()
@@ -81,12 +85,13 @@ def varying_integral(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.varying.piece",
-    given="0 <= Z0, p <= S, weights of the differences within 0 and that of p",
 )
 def varying_piece(mutation: Mutation) -> Statement:
     """the weighted integral of Z over a piece is between 0 and its weight times S.
 
     So all pieces together count for no more than behind a constant lag b.
+
+    Given: 0 <= Z0, p <= S, weights of the differences within 0 and that of p.
     """
     t = symbols("z p most time fall rise")
     z, p, most, time, fall, rise = t.values()
@@ -97,12 +102,14 @@ def varying_piece(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
-@claim("guard.varying.more", given=f"0 <= Z, p_1 <= S, S, J > 0; {EXPONENTIALS}")
+@claim("guard.varying.more")
 def varying_more(mutation: Mutation) -> Statement:
     """b Z + what the last command adds within J + c(T) (S - Z_J) <= (b + J) S, and b Z + c(T + J)
     (S - Z) <= b S.
 
     The last command and the new one together count for no more than b + J of the largest.
+
+    Given: 0 <= Z, p_1 <= S, S, J > 0; {EXPONENTIALS}.
     """
     a = GuardAxis(LAGGING)
     z, most, p = a.z_ahead, a.most, push([a.sent], a.bounds, 1)
@@ -117,8 +124,6 @@ def varying_more(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.{at}spare",
-    given="sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, "
-    "each way (guard.varying.piece); mixed = usual >= J + b, b >= 0; {caps}",
     premises="guard.late.caps guard.varying.piece",
     over=LAGS,
 )
@@ -127,6 +132,9 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     reached) + b Z - (b + J) S.
 
     The caps leave what braking needs, also where both directions are full.
+
+    Given: sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, each
+    way (guard.varying.piece); mixed = usual >= J + b, b >= 0; {caps}.
     """
     b, lag, S = a.bounds, a.slow, a.S
     given = [a.usual >= a.J + lag, a.both_act == a.usual, lag >= 0]
@@ -141,7 +149,6 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}left",
-    given=f"{MORE}; M_min, alpha, S > 0, 0 <= Z, Z_J <= S, J >= 0; {EXPONENTIALS}",
     premises="guard.varying.more",
     over=LAGS,
 )
@@ -149,6 +156,8 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S.
 
     Every line is a mean of core and S/alpha.
+
+    Given: {MORE}; M_min, alpha, S > 0, 0 <= Z, Z_J <= S, J >= 0; {EXPONENTIALS}.
     """
     b, room, most = a.bounds, a.room, a.most
     z, after, again = a.lasts(1)
@@ -166,7 +175,6 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}room",
-    given="guard.{at}left, guard.{at}spare; M_min, alpha > 0, S >= brakes + net",
     premises="guard.{at}left guard.{at}spare",
     over=LAGS,
 )
@@ -174,6 +182,8 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together.
 
     Commands already sent never take the room that braking needs.
+
+    Given: guard.{at}left, guard.{at}spare; M_min, alpha > 0, S >= brakes + net.
     """
     b, t = a.bounds, symbols("room_ahead room_back core_ahead core_back brakes")
     rooms, cores = (t.room_ahead, t.room_back), (t.core_ahead, t.core_back)
@@ -204,8 +214,6 @@ def counts(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}inside",
-    given="{counts}, whose hypotheses hold; M >= M_min, lo <= hi, brakes >= net; Z, Z_J and what "
-    "the last command adds >= 0",
     premises="guard.{at}feasible guard.{at}counts",
     over=on("varying.", back=True),
 )
@@ -215,6 +223,9 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
     A robot within its limit stays within it either way: a larger push than the last is worst where
     it comes early, a smaller one where it comes late.
+
+    Given: {counts}, whose hypotheses hold; M >= M_min, lo <= hi, brakes >= net; Z, Z_J and what the
+    last command adds >= 0.
     """
     # A command of larger p than the last is worst early, another one late; both to their end.
     b, spare = a.bounds, a.u1 - a.arrived
@@ -231,9 +242,6 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}graceful",
-    given="{counts}, whose hypotheses hold; F = hi(y), or -hi(-y) backwards; D >= 0, pushes and Z "
-    "larger by at most D; p_0 + D > 0; brakes - net >= D; Z, Z_J and what the last command adds >= "
-    "0; {caps}",
     premises="guard.{at}counts",
     over=on("varying.", back=True),
 )
@@ -243,6 +251,10 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     -v.
 
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+
+    Given: {counts}, whose hypotheses hold; F = hi(y), or -hi(-y) backwards; D >= 0, pushes and Z
+    larger by at most D; p_0 + D > 0; brakes - net >= D; Z, Z_J and what the last command adds >= 0;
+    {caps}.
     """
     # Pushes, and Z with them, are larger by at most D; worst for F = hi.
     b, D = a.bounds, a.extra

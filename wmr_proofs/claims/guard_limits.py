@@ -47,12 +47,14 @@ def maximal(mutation: Mutation) -> Statement:
     return Statement(a, end > a.u1, (given, more > 0))
 
 
-@claim("guard.necessary", given="u1, T, M_min, dbar > 0, delay >= 0")
+@claim("guard.necessary")
 def necessary(mutation: Mutation) -> Statement:
     """2 dbar (T + delay) > M_min u1 and F + dbar <= 0: (T + delay) (dbar - F)/M_min > u1.
 
     Beyond this bound no guard at all can keep the limit: friction of unknown size may stop the
     robot just after a sample.
+
+    Given: u1, T, M_min, dbar > 0, delay >= 0.
     """
     t = symbols("u1 period M_min dbar delay force")
     u1, period, mass, dbar, delay, force = t.values()
@@ -64,8 +66,6 @@ def necessary(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.sides",
-    given="T, M_min, alpha, u1, the limit of -v > 0, delay, jitter, mixed > 0 where they count; "
-    "M_min <= M_max, alpha T <= 1; any v and any push under way",
     each=EACH,
 )
 def sides(mutation: Mutation, a: GuardAxis) -> Statement:
@@ -75,6 +75,9 @@ def sides(mutation: Mutation, a: GuardAxis) -> Statement:
 
     So a safe force is left at every velocity (guard.feasible and those behind delays), and what is
     shown of one direction holds with its own limit.
+
+    Given: T, M_min, alpha, u1, the limit of -v > 0, delay, jitter, mixed > 0 where they count;
+    M_min <= M_max, alpha T <= 1; any v and any push under way.
     """
     t = symbols("behind", "behind")
     b, coming = replace(a.bounds, back=t.behind), a.coming
@@ -91,11 +94,13 @@ def sides(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a | t, goals, given, caps)
 
 
-@claim("guard.delay.longer", given="one command under way")
+@claim("guard.delay.longer")
 def longer(_: Mutation) -> Statement:
     """guard.delay.inside, with a delay that is 1 % longer than stated.
 
     False: the delay may be stated too long, not too short.
+
+    Given: one command under way.
     """
     a = GuardAxis(DELAYED)
     b = a.bounds

@@ -163,8 +163,6 @@ claim = Claims(by=Z3(), premises="assumption.libm")
 
 @claim(
     "guard.{name}.force",
-    given="{stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}; back, lo(y) = -hi(-y) is "
-    "what this says ahead",
     over=PRECISIONS,
     each=WAYS,
 )
@@ -174,6 +172,9 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
 
     The computed force keeps the limit ahead and back, with room for the rounding of the wheels'
     torques; the braking branch is included.
+
+    Given: {stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}; back, lo(y) = -hi(-y) is what
+    this says ahead.
     """
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
     a = RoundedAxis(precision=precision)
@@ -186,11 +187,13 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     return Statement(a, goal, given, cuts, computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}.size", given="{stated}{rounds}", over=PRECISIONS)
+@claim("guard.{name}.size", over=PRECISIONS)
 def size(mutation: Mutation, precision: Precision) -> Statement:
     """|F^| <= (K + max(-net, 0)) (1 + {quicker}).
 
     No computed force is large enough to make its rounding matter.
+
+    Given: {stated}{rounds}.
     """
     # Of what may be asked, and of the safe point.
     a = RoundedAxis(precision=precision)
@@ -200,11 +203,13 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}.anchor", given="{stated}{rounds}", over=PRECISIONS)
+@claim("guard.{name}.anchor", over=PRECISIONS)
 def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """the computed safe point is at most the computed min(brake, cap).
 
     What the wheels must keep in reserve is what the computed force keeps in reserve.
+
+    Given: {stated}{rounds}.
     """
     a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a.most
@@ -215,8 +220,6 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
 
 @claim(
     "guard.{name}.maps",
-    given="any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi (1 + "
-    "{reach}){rounds}",
     over=PRECISIONS,
     each={kind: {"kind": kind} for kind in MAPS},
 )
@@ -225,6 +228,9 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     G2/l) in N, l times that in N m.
 
     The rounding of the torque limit does not undo the guard.
+
+    Given: any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi (1 +
+    {reach}){rounds}.
     """
     t = _wheels()
     given: list[Relations] = [positive(t.half, t.phi)]
@@ -246,7 +252,6 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
 
 @claim(
     "guard.{name}.torques",
-    given="any force, r, l > 0; r and l are the plant's{rounds}",
     over=PRECISIONS,
 )
 def converted(mutation: Mutation, precision: Precision) -> Statement:
@@ -254,6 +259,8 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     5 {unit} (|F| + |N|/l), the moment by l times that.
 
     The plant is pushed by torques, which are rounded numbers as well.
+
+    Given: any force, r, l > 0; r and l are the plant's{rounds}.
     """
     t = _wheels()
     half, asked = t.half, ca.vertcat(t.force1, t.force2)
@@ -267,9 +274,6 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
 
 @claim(
     "guard.{name}",
-    given="{stated}; both axes; G1 + G2/l <= 24 K1, l G1 + G2 <= 24 K2, G = (K + max(-net, 0)) (1 "
-    "+ {quicker}); min(brake1, cap1) + min(brake2, cap2)/l <= (2 tau_max/r) (1 + {reach}); no "
-    "overflow, no underflow{numbers}",
     premises="{parts} guard.axes guard.lemma",
     over=PRECISIONS,
 )
@@ -278,6 +282,10 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     torques that the compiled text computes: from |v| <= u1 to |v| <= u1, and the same for -v.
 
     {meaning}
+
+    Given: {stated}; both axes; G1 + G2/l <= 24 K1, l G1 + G2 <= 24 K2, G = (K + max(-net, 0)) (1 +
+    {quicker}); min(brake1, cap1) + min(brake2, cap2)/l <= (2 tau_max/r) (1 + {reach}); no overflow,
+    no underflow{numbers}.
     """
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
     a = RoundedAxis(precision=precision)

@@ -88,18 +88,19 @@ def on(*kinds: str, back: bool = False) -> list[dict[str, Any]]:
 claim = Claims(by=Z3())
 
 
-@claim("guard.{at}feasible", given="{enough}", premises="{rests}", over=on(*ALL))
+@claim("guard.{at}feasible", premises="{rests}", over=on(*ALL))
 def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
     """lo(y) <= hi(y) for every y, whatever was sent.
 
     There is always a safe force: nothing has to be checked while it runs.
+
+    Given: {enough}.
     """
     return Statement(a, a.hi >= a.lo, a.can_brake(mutation(1, 1.01)), a.rooms)
 
 
 @claim(
     "guard.{at}largest",
-    given="{caps}",
     premises="guard.{at}caps",
     over=on("delay.", "late."),
 )
@@ -107,6 +108,8 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     """|F| <= largest.
 
     Commands stay as small as those before them were assumed to be.
+
+    Given: {caps}.
     """
     most, force = mutation(1, 0.99) * a.largest, a.force(a.asked)
     goals = most >= force, most >= -force
@@ -115,7 +118,6 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}anchor",
-    given="{caps}",
     premises="{capped}",
     over=on("", "delay.", "late."),
 )
@@ -123,6 +125,8 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     """|clip(0, lo, hi)| <= brakes = min(brake, cap).
 
     The smallest safe force is within the brake cap, so the wheel maps stay in the box.
+
+    Given: {caps}.
     """
     most = mutation(1, 0.99) * a.bounds.braking
     return Statement(a, most >= abs(a.force(ca.SX(0))), a.stated, a.rooms)
@@ -130,7 +134,6 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}inside",
-    given="{inside}; {acts}",
     premises="{kept}",
     over=on("", "delay.", "late.", back=True),
 )
@@ -139,6 +142,8 @@ def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     whatever the law asks for; and the same of -v and -F.
 
     A robot within its limit stays within it, forwards and backwards.
+
+    Given: {inside}; {acts}.
     """
     given = a.kept(way, mutation(1, 1.01))
     return Statement(a, a.u1 >= a.then(way), given, a.rooms)
@@ -146,7 +151,6 @@ def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}outside",
-    given="{seen}{over}; {caps}{filled}",
     premises="{counts}",
     over=on(*ALL, back=True),
 )
@@ -155,6 +159,8 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     and -F.
 
     Outside the limit no disturbance can make the robot faster, once earlier commands have ended.
+
+    Given: {seen}{over}; {caps}{filled}.
     """
     b = a.bounds
     needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
@@ -165,7 +171,6 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}{only}return",
-    given="{seen}, M_min <= M <= M_max; {caps}{filled}",
     over=on("", "delay.", "late.steady.", back=True),
 )
 def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
@@ -174,6 +179,8 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
     Back within the limit once late commands have ended, after ceil(({v} - u1) M/(T (brakes - net)))
     samples, {v} being the speed then and M at worst M_max.
+
+    Given: {seen}, M_min <= M <= M_max; {caps}{filled}.
     """
     b, mass, start = a.bounds, a.mass, a.start(way)
     step = b.period * (b.braking - a.net) / mass
@@ -182,12 +189,14 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a, goal, a.outside(way, a.during()), a.cuts)
 
 
-@claim("guard.no-overshoot", given="{caps}; {acts}", over=on("", back=True))
+@claim("guard.no-overshoot", over=on("", back=True))
 def no_overshoot(mutation: Mutation, way: int) -> Statement:
     """f_speed + t max(net - F, 0)/M <= u1 and f_speed + t max(net + F, 0)/M <= u1, net = dbar -
     f_min, from every v, measured or not.
 
     Braking from outside never throws the robot through the other limit.
+
+    Given: {caps}; {acts}.
     """
     a = GuardAxis()
     fallen = a.f_speed + a.t * ca.fmax(a.net - way * a.force(a.asked), 0) / a.mass
@@ -197,13 +206,14 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
 
 @claim(
     "guard.{at}graceful",
-    given="{seen}, {acts}; {spare}; {caps}{filled}",
     over=on("", "delay.", back=True),
 )
 def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps v and -v <= u1 + D (T{late})/M_min.
 
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+
+    Given: {seen}, {acts}; {spare}; {caps}{filled}.
     """
     b, D = a.bounds, a.extra
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
@@ -215,8 +225,6 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}graceful",
-    given="guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; D >= 0, "
-    "brakes - net >= D; {caps}",
     premises="guard.{at}left",
     over=on("late.", back=True),
 )
@@ -224,6 +232,9 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for v and -v.
 
     A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+
+    Given: guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; D >= 0, brakes -
+    net >= D; {caps}.
     """
     # t at its end, as v is linear.
     b, D, left = a.bounds, a.extra, a.room
@@ -239,12 +250,14 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a, limit >= end, given, cuts)
 
 
-@claim("guard.{at}left", given=f"{{seen}}; {SIGNS}, alpha T <= 1, 0 <= J <= T", over=on("late."))
+@claim("guard.{at}left", over=on("late."))
 def left(mutation: Mutation, a: GuardAxis) -> Statement:
     """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
     command may first take over; either way.
 
     How the room is counted.
+
+    Given: {seen}; {SIGNS}, alpha T <= 1, 0 <= J <= T.
     """
     goals = list[Relations]()
     for left, way in zip(a.left, (1, -1), strict=True):

@@ -47,7 +47,6 @@ def larger(one: ca.SX, other: ca.SX) -> ca.SX:
 
 @claim(
     "guard.{name}",
-    given="{given}",
     over=(
         {"name": "delay.caps", "a": GuardAxis(DELAYED), "given": FEASIBLE, "told": ""},
         {"name": "late.caps", "a": GuardAxis(LATE), "given": JITTERY, "told": JITTERS},
@@ -58,6 +57,8 @@ def caps(mutation: Mutation, a: GuardAxis) -> Statement:
     net)/M_min + max(brakes + net, 0)/(M_min alpha) <= u1 - f_speed{told}.
 
     The caps divide the room between rest and the limit among late commands, braking and jitter.
+
+    Given: {given}.
     """
     spread = [] if a.both_act.is_zero() else [a.apart(mutation(1, 0.99))]
     goals = a.capped, a.shared(mutation(1, 1.01)), spread
@@ -66,7 +67,6 @@ def caps(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.delay.command",
-    given="one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {caps}",
     over=on("delay."),
     each={"linear": {"place": 0}, "angular": {"place": 1}},
 )
@@ -75,6 +75,8 @@ def command(mutation: Mutation, place: int) -> Statement:
     and -v at most the guard's count as long as it acts; each axis, whatever the other is sent.
 
     The guard counts the most that a command under way can do, even if it acts for a shorter time.
+
+    Given: one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {caps}.
     """
     a = GuardAxis(DELAYED)
     one, b, time = only(a, place), a.bounds, a.periods * a.period
@@ -90,12 +92,14 @@ def command(mutation: Mutation, place: int) -> Statement:
     return Statement(a, goals, (a.stated, a.measured, a.during(), sent, during))
 
 
-@claim("guard.delay.queue", given="any forces and times")
+@claim("guard.delay.queue")
 def queue(mutation: Mutation) -> Statement:
     """n commands under way add up: their sums ahead and back are those of n - 1 and of the last
     one, both axes, n = 1 to 5.
 
     What is shown for one more command holds for all of them together.
+
+    Given: any forces and times.
     """
     a = GuardAxis(DELAYED)
     t = column("F", 5) | column("N", 5) | column("time", 5)
@@ -140,7 +144,6 @@ def late_piece(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.late.tail",
-    given="decay 1/2, entering 1/4 and 1/8, one command listed; forces, net and M_min free",
 )
 def late_tail(mutation: Mutation) -> Statement:
     """behind a lag, the count of older commands is decay times its last value plus what the oldest
@@ -148,6 +151,8 @@ def late_tail(mutation: Mutation) -> Statement:
     ever count for, and stays so as long as they are 0.
 
     Commands of any age are counted with one number for each axis and direction.
+
+    Given: decay 1/2, entering 1/4 and 1/8, one command listed; forces, net and M_min free.
     """
     # A sample later the tail is what stays of it and what joins, from steady at first.
     a = GuardAxis(DELAYED)
@@ -216,11 +221,13 @@ def late_spare(mutation: Mutation) -> Statement:
     return Statement(a, goal, given, a.cuts)
 
 
-@claim("guard.late.room", given="guard.late.spare", premises="guard.late.spare")
+@claim("guard.late.room", premises="guard.late.spare")
 def late_room(mutation: Mutation) -> Statement:
     """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both rooms together.
 
     The same once the last command may act for J more.
+
+    Given: guard.late.spare.
     """
     a = GuardAxis(LATE)
     b, t = a.bounds, symbols("spare_ahead spare_back again_ahead again_back")
@@ -236,7 +243,6 @@ def late_room(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.{at}{only}room",
-    given="{sums}; {caps}",
     premises="{capped} guard.{one}",
     over=(
         on("delay.")[0]
@@ -252,6 +258,8 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
     rooms together; behind a delay alone M_min alpha (u1 - f_speed - ahead - back) is that.
 
     Commands under way never take the room that braking needs.
+
+    Given: {sums}; {caps}.
     """
     given = a.stated, a.moving, a.shared(), added(a)
     return Statement(a, a.enough(a.left, mutation(1, 0.99)), given, a.cuts)

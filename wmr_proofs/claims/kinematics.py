@@ -25,33 +25,39 @@ ROBOT = (Case("all", declared={f"robot.{n}": POSITIVE for n in ("m", "I", "r", "
 claim = Claims(by=Ring(), form=PRINTED)
 
 
-@claim("eq03", (3, 5), form=CORRECTED, given=ANY)
+@claim("eq03", (3, 5), form=CORRECTED)
 def no_sideways(mutation: Mutation) -> Statement:
     """A(q)' q' = 0 for q' = H(q) v (the text after (3) prints A(q) q' = 0, whose sizes do not fit).
 
     The simulated robot never slides sideways.
+
+    Given: {ANY}.
     """
     t = symbols("theta v1 v2")
     rate = pose_rate(t.theta, ca.vertcat(t.v1, t.v2))
     return Statement(t, constraint(t.theta).T @ (rate * ca.vertcat(mutation, 1, 1)) == 0)
 
 
-@claim("eq04.null-space", (4, 5), given="any theta")
+@claim("eq04.null-space", (4, 5))
 def null_space(mutation: Mutation) -> Statement:
     """H(q)' A(q) = 0.
 
     The forces that keep the wheels from sliding drop out of the equations of motion.
+
+    Given: any theta.
     """
     t = symbols("theta")
     h = velocity_map(t.theta) * ca.vertcat(ca.horzcat(mutation, 1), ca.SX.ones(2, 2))
     return Statement(t, every(h.T @ constraint(t.theta), ca.SX(2, 1)))
 
 
-@claim("eq05", (5,), given=ANY)
+@claim("eq05", (5,))
 def rate_is_map(mutation: Mutation) -> Statement:
     """the pose rate of the plant is H(q) v (H as printed, transposed).
 
     Forward is (-sin theta, cos theta): theta counts from the Y axis.
+
+    Given: {ANY}.
     """
     t = symbols("theta v1 v2")
     v = ca.vertcat(t.v1, t.v2)
@@ -59,11 +65,13 @@ def rate_is_map(mutation: Mutation) -> Statement:
     return Statement(t, every(pose_rate(t.theta, v), mapped))
 
 
-@claim("eq06", (6,), given=ANY)
+@claim("eq06", (6,))
 def velocity_back(mutation: Mutation) -> Statement:
     """H(q)' q' = v: v1 is the speed ahead and v2 the turning rate.
 
     The two velocities are the ones that a sensor would measure.
+
+    Given: {ANY}.
     """
     t = symbols("theta v1 v2")
     v = ca.vertcat(t.v1, t.v2)
@@ -74,8 +82,6 @@ def velocity_back(mutation: Mutation) -> Statement:
 @claim(
     "eq04",
     (1, 4),
-    given="any pose and velocity; m, I, r, l > 0; C(q, q') = 0: centre of mass on the axle's "
-    "midpoint",
     by=Ring(DECLARED),
 )
 def projection(mutation: Mutation) -> Statement:
@@ -83,6 +89,9 @@ def projection(mutation: Mutation) -> Statement:
     force is gone.
 
     Two equations of motion are enough; the wheels' side forces are not needed.
+
+    Given: any pose and velocity; m, I, r, l > 0; C(q, q') = 0: centre of mass on the axle's
+    midpoint.
     """
     t = symbols("theta m I r l lam v1 v2 vdot1 vdot2 tau1 tau2 F1 F2 F3", "m I r l")
     theta, v, tau = t.theta, stacked(t, "v", 2), stacked(t, "tau", 2)
@@ -95,11 +104,13 @@ def projection(mutation: Mutation) -> Statement:
     return Statement(t, every(h.T @ (inner - push), right))
 
 
-@claim("eq04.reduced", (2, 4), given="any pose and velocity, m, I, r, l > 0", by=Ring(MASSES))
+@claim("eq04.reduced", (2, 4), by=Ring(MASSES))
 def eq04_reduced(mutation: Mutation) -> Statement:
     """M1 = H' M H = diag(m, I), H' B = B1, H' M H' = 0 (so C1 = 0).
 
     Thrust and turning do not disturb each other.
+
+    Given: any pose and velocity, m, I, r, l > 0.
     """
     t = symbols("theta m I r l omega", "m I r l") | column("tau", 2)
     theta, tau = t.theta, stacked(t, "tau", 2)
@@ -116,13 +127,14 @@ def eq04_reduced(mutation: Mutation) -> Statement:
     "eq04.plant",
     (1, 4, 5),
     form=OURS,
-    given="any pose and velocity; m, I, r, l, v_s > 0",
     by=Ring(ROBOT),
 )
 def eq04_plant(mutation: Mutation) -> Statement:
     """the simulated plant's rates satisfy M1 v' + F1 = B1 (tau + noise) and q' = H v.
 
     The simulated robot is the one that the theorems are about.
+
+    Given: any pose and velocity; m, I, r, l, v_s > 0.
     """
     system = plant(load_scenario(PRESET))
     t = scalars(ports_of(system))
@@ -136,11 +148,13 @@ def eq04_plant(mutation: Mutation) -> Statement:
     return Statement(t, (every(left, force), moves))
 
 
-@claim("eq04.wheels", (4,), form=OURS, given="r, l > 0", by=Ring(DECLARED))
+@claim("eq04.wheels", (4,), form=OURS, by=Ring(DECLARED))
 def eq04_wheels(mutation: Mutation) -> Statement:
     """B1 (B1^-1 F) = F for the torques that the laws send.
 
     The wheels produce exactly the thrust and moment that a law asks for.
+
+    Given: r, l > 0.
     """
     t = symbols("r l F N", "r l")
     force = ca.vertcat(t.F, t.N)
@@ -148,13 +162,13 @@ def eq04_wheels(mutation: Mutation) -> Statement:
     return Statement(t, every(dynamics.wheel_to_force(t.r, t.l, wheels), force))
 
 
-@claim(
-    "eq33-35", (8, 33, 34, 35), given=ANY + "; the desired motion obeys (3), too", by=Ring(spare=12)
-)
+@claim("eq33-35", (8, 33, 34, 35), by=Ring(spare=12))
 def eq33_35(mutation: Mutation) -> Statement:
     """differentiating (8) along both robots' motions gives (33)-(35).
 
     The tracking error that the laws use evolves as the proof says.
+
+    Given: {ANY}; the desired motion obeys (3), too.
     """
     t = column("q", 3) | column("d", 3) | column("v", 2) | column("vd", 2)
     pose, pose_d = stacked(t, "q", 3), stacked(t, "d", 3)
@@ -165,11 +179,13 @@ def eq33_35(mutation: Mutation) -> Statement:
     return Statement(t, every(rate, error_rate(e, v * ca.vertcat(1, mutation), v_d)))
 
 
-@claim("eq07.rate", (7,), form=OURS, given=ANY)
+@claim("eq07.rate", (7,), form=OURS)
 def target_rate(mutation: Mutation) -> Statement:
     """the rate of v_c0 that the laws feed forward is the derivative of (7).
 
     The feed-forward is exact, not a difference quotient.
+
+    Given: {ANY}.
     """
     t = column("e", 3) | column("v", 2) | column("vd", 2) | column("a", 2) | column("k", 3)
     e, v, v_d = stacked(t, "e", 3), stacked(t, "v", 2), stacked(t, "vd", 2)

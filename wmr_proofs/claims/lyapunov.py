@@ -170,12 +170,14 @@ def per_axis(mutation: Mutation) -> Statement:
     return m.states(m.along(m.V) == m.A * v_dot - mutation * m.w * c_dot)
 
 
-@claim("eq09{of}", (9,), given=NOMINAL, by=lambda axis: LAW[axis], over=named_axes(".angular"))
+@claim("eq09{of}", (9,), by=lambda axis: LAW[axis], over=named_axes(".angular"))
 def command(mutation: Mutation, axis: int) -> Statement:
     """A (F - F1) = M1 (-rho V1i + (v - v_c1) v_c0') for the model-based law's own graph, {where}
     axis.
 
     The compiled law is the paper's, only evaluated without dividing by A.
+
+    Given: {NOMINAL}.
     """
     law = LawGraph("mb")
     k, t = axis + 1, law.symbols
@@ -214,13 +216,13 @@ def literal_decay(mutation: Mutation) -> Statement:
     return Statement(m | {"rho": rho}, rate == -mutation * rho * m.V)
 
 
-@claim(
-    "eq30.law{of}", (29, 30), form=OURS, given=NOMINAL, by=lambda axis: LAW[axis], over=named_axes()
-)
+@claim("eq30.law{of}", (29, 30), form=OURS, by=lambda axis: LAW[axis], over=named_axes())
 def decay(mutation: Mutation, axis: int) -> Statement:
     """V1i' = -rho_i V1i for the compiled model-based law, {where} axis, A = 0 included.
 
     The law that runs on the robot has the property of the theorem, not just the formula on paper.
+
+    Given: {NOMINAL}.
     """
     # Eqs. (29), (30): V1i' + sign rho_i V1i = 0 for the law's own graph in the model's dynamics.
     # V1i is the paper's; the force is the System's, with v_c0 and v_c0' free.
@@ -239,8 +241,6 @@ def decay(mutation: Mutation, axis: int) -> Statement:
 @claim(
     "eq30.printed",
     (30,),
-    given="|v| = v_u2; change of V1i over at most 1 microsecond compared with -rho V1i, tolerance "
-    "1",
     by=Refute(KINK),
 )
 def quotient_at_kink(mutation: Mutation) -> Statement:
@@ -249,6 +249,8 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     Exactly where the barrier begins, the acceleration that the law computes makes the barrier
     function rise for an instant (here at 13 1/s instead of falling). It holds at almost every
     instant, which is enough for the decay.
+
+    Given: |v| = v_u2; change of V1i over at most 1 microsecond compared with -rho V1i, tolerance 1.
     """
     # The change of V1i over a short time h from v = v_u2, with the command at the start held.
     m = Moving()

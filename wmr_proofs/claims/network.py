@@ -49,23 +49,27 @@ FAR_POINT = (at(v="7999999/10000000", c=3, u1=1, u2="4/5"),)
 claim = Claims(by=ONE, form=PRINTED)
 
 
-@claim("eq57", (57,), given="any weights and basis")
+@claim("eq57", (57,))
 def law(mutation: Mutation) -> Statement:
     """F = -rho1 V1/A + q W^'S(Z) on the compiled law's graph, 64 nodes.
 
     The network law that runs is the paper's, with its quotients in cancellation-free form.
+
+    Given: any weights and basis.
     """
     n = network_axis(0)
     written = -n.gain("rho1") * n.free.quotient + mutation * n.free.q * ca.dot(n.weights, n.basis)
     return n.statement(n.law.force[0] == written)
 
 
-@claim("eq58{of}", (58,), given="any weights and basis", over=named_axes(".angular"))
+@claim("eq58{of}", (58,), over=named_axes(".angular"))
 def adaptation(mutation: Mutation, axis: int) -> Statement:
     """W^' = -Gamma (S(Z) (v - v_c1) + sigma W^), {where} axis, all 64 weights: the compiled Euler
     step integrates it.
 
     The weights learn from the distance to the target velocity and slowly forget.
+
+    Given: any weights and basis.
     """
     n = network_axis(axis)
     rate = -n.gain("Gamma") * (n.basis * n.free.w + mutation * n.gain("sigma") * n.weights)
@@ -76,7 +80,6 @@ def adaptation(mutation: Mutation, axis: int) -> Statement:
     "eq58.basis",
     (57, 58),
     form=OURS,
-    given="any Z and eta; nodes at -1 and 1",
     by=Ring((Case("any Z", declared={"eta": POSITIVE}),), spare=14),
 )
 def basis_product(mutation: Mutation) -> Statement:
@@ -84,6 +87,8 @@ def basis_product(mutation: Mutation) -> Statement:
     c_j|^2/eta^2) at all 64 nodes.
 
     The fast evaluation of the network changes nothing.
+
+    Given: any Z and eta; nodes at -1 and 1.
     """
     t = column("z", DIMENSIONS) | symbols("eta")
     z = stacked(t, "z", DIMENSIONS)
@@ -94,7 +99,6 @@ def basis_product(mutation: Mutation) -> Statement:
 @claim(
     "eq59.printed",
     (59,),
-    given="|v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance",
     by=Refute(FAR_POINT),
 )
 def target_bounded(_: Mutation) -> Statement:
@@ -104,6 +108,8 @@ def target_bounded(_: Mutation) -> Statement:
     Just below v_u2 with v_c0 = 3 m/s the network would have to give more than a million times the
     friction force: no bounded weights do that. Theorem 2 assumes it, so its bound is empty in the
     middle region.
+
+    Given: |v| <= 0.95 v_u1, |v_c0| <= 3; ratio <= 10^6 for instance.
     """
     a, v, c, u1, _u2 = barrier_axis()
     given = a.inside, 0.95 * u1 >= abs(v), abs(c) <= 3
@@ -114,7 +120,6 @@ def target_bounded(_: Mutation) -> Statement:
     "eq59.ratio",
     (59,),
     form=OURS,
-    given="every 0 < v_u2 < v_u1",
     by=Ring(tuple(axis_case("", "middle+", side) for side in ("zero", "in+"))),
 )
 def ratio(mutation: Mutation) -> Statement:
@@ -122,26 +127,32 @@ def ratio(mutation: Mutation) -> Statement:
     - v_u2): it grows without bound as v rises to v_u2.
 
     The regressor of the network blows up in normal operation, which is why the code caps it.
+
+    Given: every 0 < v_u2 < v_u1.
     """
     a, v, c, _, u2 = barrier_axis()
     return a.states(equal(a.A, a.w * (1 + mutation * (c - u2) / (u2 - v))))
 
 
-@claim("eq63-66", (62, 63, 64, 65, 66), given=ALL_NODES, by=TWO)
+@claim("eq63-66", (62, 63, 64, 65, 66), by=TWO)
 def differentiated(mutation: Mutation) -> Statement:
     """differentiating V3i = V1i + W~'W~/(2 M1 Gamma) gives (66).
 
     How velocity error and learning error change together.
+
+    Given: {ALL_NODES}.
     """
     n = network_axis(0)
     return n.statement(n.rate == n.barrier_rate + mutation * weights_part(n, n.weight_rate))
 
 
-@claim("eq67-68", (67, 68), given=ALL_NODES, by=TWO)
+@claim("eq67-68", (67, 68), by=TWO)
 def substituted(mutation: Mutation) -> Statement:
     """with (28), (4) and constant W*.
 
     Force and friction enter.
+
+    Given: {ALL_NODES}.
     """
     n = network_axis(0)
     f = n.free
@@ -149,11 +160,13 @@ def substituted(mutation: Mutation) -> Statement:
     return n.statement(n.rate == pushed + weights_part(n, n.weight_rate))
 
 
-@claim("eq69", (69,), given=ALL_NODES, by=TWO)
+@claim("eq69", (69,), by=TWO)
 def with_law(mutation: Mutation) -> Statement:
     """with the law (57).
 
     The feedback appears as a decay.
+
+    Given: {ALL_NODES}.
     """
     n = network_axis(0)
     f = n.free
@@ -163,11 +176,13 @@ def with_law(mutation: Mutation) -> Statement:
     return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + learnt - lost)
 
 
-@claim("eq70", (70,), given=OFF_TARGET, by=OFF)
+@claim("eq70", (70,), by=OFF)
 def with_target(mutation: Mutation) -> Statement:
     """with (59) as the definition of eps2.
 
     What the network cannot represent remains as eps2.
+
+    Given: {OFF_TARGET}.
     """
     n = network_axis(0)
     f = n.free
@@ -176,11 +191,13 @@ def with_target(mutation: Mutation) -> Statement:
     return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + rest)
 
 
-@claim("eq71", (71,), given=OFF_TARGET, by=OFF)
+@claim("eq71", (71,), by=OFF)
 def with_adaptation(mutation: Mutation) -> Statement:
     """with the adaptation (58).
 
     Learning cancels the unknown part; only the forgetting term and eps2 remain.
+
+    Given: {OFF_TARGET}.
     """
     n = network_axis(0)
     f, mass = n.free, n.free.mass
@@ -191,7 +208,7 @@ def with_adaptation(mutation: Mutation) -> Statement:
 
 @claim(
     "eq{number}",
-    given=OFF_TARGET,
+
     by=BOUND,
     over=(
         {"number": 72, "equations": (72,), "combined": False, "more": "",
@@ -206,6 +223,8 @@ def eq72(mutation: Mutation, combined: bool) -> Statement:
     """V3i' <= (71) with w eps2 <= w^2/2 + eps2^2/2{more}; what is left over is {left}.
 
     {so}
+
+    Given: {OFF_TARGET}.
     """
     n = network_axis(0)
     f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
@@ -220,7 +239,6 @@ def eq72(mutation: Mutation, combined: bool) -> Statement:
 @claim(
     "eq82-83",
     (82, 83),
-    given=OFF_TARGET + "; V1i >= (v - v_c1)^2/2 by (81)",
     by=BOUND,
     premises="eq81",
 )
@@ -228,6 +246,8 @@ def printed_step(mutation: Mutation) -> Statement:
     """V3i' <= -(rho1 - 1) V1i/M1 + ... by (73) and (81); one inequality with two numbers.
 
     One unit of the gain is spent on eps2.
+
+    Given: {OFF_TARGET}; V1i >= (v - v_c1)^2/2 by (81).
     """
     n = network_axis(0)
     f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
@@ -239,8 +259,6 @@ def printed_step(mutation: Mutation) -> Statement:
 @claim(
     "eq84-85",
     (84, 85, 87),
-    given=OFF_TARGET
-    + "; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v - v_c1)^2/2",
     by=Ring((DECAYING,), spare=0),
     premises="eq81",
 )
@@ -249,6 +267,9 @@ def decay(mutation: Mutation) -> Statement:
 
     Velocity and weight errors fall until eps2 and the forgetting balance them - provided that eps2
     is bounded.
+
+    Given: {OFF_TARGET}; rho2 <= (rho1 - 1)/M1 and rho2 <= sigma Gamma; scalar Gamma; V1i >= (v -
+    v_c1)^2/2.
     """
     n = network_axis(0)
     f = n.free
@@ -259,12 +280,14 @@ def decay(mutation: Mutation) -> Statement:
     return Statement(names, -least * total + leftover >= n.rate, (), n.inner)
 
 
-@claim("eq86", (86,), given="all gains and masses positive, rho1 > 1", by=Z3())
+@claim("eq86", (86,), by=Z3())
 def rate_is_least(mutation: Mutation) -> Statement:
     """rho2 of (86) is below (rho1_i - 1)/M1ii and sigma_i Gamma_i on both axes.
 
     The slowest of four rates decides: with the paper's gains it is the forgetting, 0.08 1/s, which
     rho1 cannot change.
+
+    Given: all gains and masses positive, rho1 > 1.
     """
     t = column("rho", 2) | column("M", 2) | column("sigma", 2) | column("gamma", 2)
     rho, mass, sigma, gamma = (stacked(t, name, 2) for name in ("rho", "M", "sigma", "gamma"))
@@ -280,7 +303,6 @@ def rate_is_least(mutation: Mutation) -> Statement:
     "eq60.step",
     (60, 88),
     form=CORRECTED,
-    given="|v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3",
     by=Z3(),
     premises="eq81",
 )
@@ -289,8 +311,11 @@ def end_bound(mutation: Mutation) -> Statement:
     which must be eps3^2).
 
     How close the velocities come, if C3 is finite.
+
+    Given: |v_c0| < v_u2, so that v_c1 = v_c0 and |z|^2/2 <= V3.
     """
     t = symbols("z1 z2 V C1 C2 rho2")
-    square = t.z1**2 + t.z2**2
-    given = t.rho2 > 0, t.V * t.rho2 <= 2 * (t.C1 + t.C2), square <= 2 * t.V
-    return Statement(t, 4 * (t.C1 + t.C2) * mutation(1, 0.5) >= square * t.rho2, given)
+    z1, z2, V, C1, C2, rho2 = t.values()
+    square = z1**2 + z2**2
+    given = rho2 > 0, V * rho2 <= 2 * (C1 + C2), square <= 2 * V
+    return Statement(t, 4 * (C1 + C2) * mutation(1, 0.5) >= square * rho2, given)

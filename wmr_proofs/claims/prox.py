@@ -44,54 +44,59 @@ def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
 map_claim = Claims(by=Z3())
 
 
-@map_claim("prox.optimal", (14, 15, 18), given=ANY, each=EITHER_BARRIER)
+@map_claim("prox.optimal", (14, 15, 18), each=EITHER_BARRIER)
 def optimal(mutation: Mutation, smooth: bool) -> Statement:
     """c - X_k(c) is in k df(X_k(c)) and |X_k(c)| < v_u1, with either barrier.
 
     The closed form is the nearest velocity inside the limit.
+
+    Given: {ANY}.
     """
     t = symbols("c k u1 u2", "k u1 u2")
-    x = resolvent(t.c, t.k, t.u1, t.u2, smooth)
-    size, s = abs(x), ca.if_else(t.c >= 0, 1, -1)
-    rest = s * (t.c - mutation * x)
-    beyond = (rest - t.k * _slope(size, t, smooth)) * (t.u1 - size)
-    jump = ca.SX(0) if smooth else t.k / (t.u1 - t.u2)
+    c, k, u1, u2 = t.values()
+    x = resolvent(c, k, u1, u2, smooth)
+    size, s = abs(x), ca.if_else(c >= 0, 1, -1)
+    rest = s * (c - mutation * x)
+    beyond = (rest - k * _slope(size, t, smooth)) * (u1 - size)
+    jump = ca.SX(0) if smooth else k / (u1 - u2)
     at_kink = ca.fmin(jump - rest, 0)
-    miss = ca.if_else(size > t.u2, beyond, ca.if_else(size < t.u2, rest, at_kink))
-    inside = t.u1 > size
+    miss = ca.if_else(size > u2, beyond, ca.if_else(size < u2, rest, at_kink))
+    inside = u1 > size
     return Statement(t, (miss == 0, nonnegative(rest, s * x), inside), _target(t))
 
 
-@map_claim(
-    "prox.monotone", (14, 15), given="every 0 < v_u2 < v_u1, |x| < v_u1", each=EITHER_BARRIER
-)
+@map_claim("prox.monotone", (14, 15), each=EITHER_BARRIER)
 def monotone(mutation: Mutation, smooth: bool) -> Statement:
     """(f'(x1) - f'(x2)) (x1 - x2) >= 0, the corner's slopes included, with either barrier.
 
     The barrier is convex.
+
+    Given: every 0 < v_u2 < v_u1, |x| < v_u1.
     """
     t = symbols("x1 x2 k1 k2 u1 u2", "u1 u2")
+    x1, x2, k1, k2, u1, u2 = t.values()
     slopes = []
-    for x, kink in ((t.x1, t.k1), (t.x2, t.k2)):
+    for x, kink in ((x1, k1), (x2, k2)):
         size, s = abs(x), ca.if_else(x >= 0, 1, -1)
         jump = ca.SX(0) if smooth else kink
-        steep = ca.if_else(size > t.u2, _slope(size, t, smooth), ca.if_else(size < t.u2, 0, jump))
+        steep = ca.if_else(size > u2, _slope(size, t, smooth), ca.if_else(size < u2, 0, jump))
         slopes.append(s * steep)
-    rises = mutation * (slopes[0] - slopes[1]) * (t.x1 - t.x2)
-    sizes = [t.u1 > way * t[x] for way in (1, -1) for x in ("x1", "x2")]
-    kinks = [part for k in (t.k1, t.k2) for part in (k >= 0, k * (t.u1 - t.u2) <= 1)]
+    rises = mutation * (slopes[0] - slopes[1]) * (x1 - x2)
+    sizes = [u1 > way * t[x] for way in (1, -1) for x in ("x1", "x2")]
+    kinks = [part for k in (k1, k2) for part in (k >= 0, k * (u1 - u2) <= 1)]
     return Statement(t, rises >= 0, (_limits(t), sizes, kinks))
 
 
 @map_claim(
     "prox.not-expansive",
-    given="k > 0; x + k a = c with monotone a",
     premises="prox.optimal prox.monotone",
 )
 def not_expansive(mutation: Mutation) -> Statement:
     """|X_k(c1) - X_k(c2)| <= |c1 - c2|.
 
     Targets that are near stay near.
+
+    Given: k > 0; x + k a = c with monotone a.
     """
     t = symbols("x1 x2 a1 a2 k")
     dx, da = t.x1 - t.x2, t.a1 - t.a2
@@ -100,11 +105,13 @@ def not_expansive(mutation: Mutation) -> Statement:
     return Statement(t, goal, (t.k > 0, dx * da >= 0))
 
 
-@map_claim("prox.root", given="k > 0, any t")
+@map_claim("prox.root")
 def prox_root(mutation: Mutation) -> Statement:
     """the compiled d is the positive root of d (d + t) = k.
 
     How far below the limit a proximal map ends.
+
+    Given: k > 0, any t.
     """
     t = symbols("t k")
     d = root(t.t, t.k)
@@ -113,7 +120,6 @@ def prox_root(mutation: Mutation) -> Statement:
 
 @map_claim(
     "prox.short",
-    given="every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100",
     premises="prox.root",
     each=EITHER_BARRIER,
 )
@@ -122,6 +128,8 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     v_u1 + b) <= k, b = 0 with the paper's barrier and k/(v_u1 - v_u2) with the smooth one.
 
     The nearer the target, the farther below the limit its nearest velocity.
+
+    Given: every 0 < v_u2 < v_u1 <= C, k > 0, |c| < 1e100.
     """
     t = symbols("c k u1 u2 C m d", "k u1 u2 C m")
     c, k, u1, u2, most, m, d = t.values()
@@ -185,7 +193,6 @@ def inside(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "prox.contracts",
-    given="0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+ below 1e100 in size, v_u1 as well",
     premises="prox.optimal prox.monotone prox.not-expansive transport.level",
     each=EITHER_BARRIER,
 )
@@ -195,6 +202,8 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
 
     The distance to a target that moves shrinks by E in a sample, however long that
     is, except for the part of the target's way that is not carried along.
+
+    Given: 0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+ below 1e100 in size, v_u1 as well.
     """
     s, t = Step(smooth), symbols("w")
     x_target, x_followed, carried = (s.free[n] for n in ("x_target", "x_followed", "carried"))
@@ -210,8 +219,6 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "prox.decay",
-    given="0 < v_u2 < v_u1, 0 < E < 1; v_u1, |c+| < 1e100; |v*| < v_u1; V1i above its tangent at "
-    "v+, at v* and v_c1+",
     premises="prox.optimal convex smooth.convex transport.inside",
     each=EITHER_BARRIER,
 )
@@ -220,23 +227,26 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
 
     From the velocity that was carried along V1 falls by exp(-rho T) in a sample, whatever the
     period and the targets.
+
+    Given: 0 < v_u2 < v_u1, 0 < E < 1; v_u1, |c+| < 1e100; |v*| < v_u1; V1i above its tangent at v+,
+    at v* and v_c1+.
     """
     s, t = Step(smooth), symbols("mid after A")
+    mid, after, A = t.values()
     E, target = s.inputs.E, s.inputs.target
     end, carried = s.free.end, s.free.carried
     back = s.free.x_target - end
     # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
-    optimal = (1 - E) * (t.A - end + target) == s.argument - end
-    above_start = t.mid >= t.after + t.A * (carried - end) + 0.5 * (carried - end) ** 2
-    above_target = t.after + t.A * back + 0.5 * back**2 <= 0
-    given = optimal, above_start, above_target, t.after >= 0
-    goals = mutation(E**2, (0.9 * E) ** 2) * t.mid >= t.after, s.end == end
+    optimal = (1 - E) * (A - end + target) == s.argument - end
+    above_start = mid >= after + A * (carried - end) + 0.5 * (carried - end) ** 2
+    above_target = after + A * back + 0.5 * back**2 <= 0
+    given = optimal, above_start, above_target, after >= 0
+    goals = mutation(E**2, (0.9 * E) ** 2) * mid >= after, s.end == end
     return s.states(goals, given, ("carried", "end", "x_target"), t)
 
 
 @claim(
     "prox.linear",
-    given="0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1",
     premises="transport.plain",
     each=EITHER_BARRIER,
 )
@@ -244,6 +254,8 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
     """v+ = E v* + (1-E) c+ where that is at most v_u2 in size, with either barrier.
 
     Away from the limits the law closes the distance to its target by E in a sample.
+
+    Given: 0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1.
     """
     s = Step(smooth)
     E, u2, target = (s.inputs[name] for name in ("E", "u2", "target"))
@@ -254,7 +266,6 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "prox.margin",
-    given="0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1",
     premises="transport.inside prox.short",
     each=EITHER_BARRIER,
 )
@@ -264,6 +275,8 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     smooth one.
 
     How far below the limit the law aims, which is what a push may take back.
+
+    Given: 0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1.
     """
     # What X_(1-E) is taken of is bounded here; the rest is `resolvent`'s.
     s, t = Step(smooth), symbols("C m", "C m")
@@ -277,8 +290,6 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "prox.rises",
-    given="0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; "
-    "c+) <= E^2 V1i(v*; c+)",
     by=Z3(),
     premises="prox.decay transport.level transport.root",
 )
@@ -289,6 +300,9 @@ def rises(mutation: Mutation) -> Statement:
     What remains of V1 after a sample, with the model exact, for every period, every motion of the
     target and every |v| < v_u1: level transport keeps the decay of V1, two-part transport adds the
     way that it does not carry.
+
+    Given: 0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; c+)
+    <= E^2 V1i(v*; c+).
     """
     t = symbols("before carried mid after S S_next way E S_mid S_carried")
     S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)

@@ -85,8 +85,6 @@ claim = Claims(by=Z3())
 
 @claim(
     "prox.assembled{part}",
-    given="any pose, velocity, reference and parameters; c' and c'_d the rate of v_c0 and its part "
-    "by the reference's acceleration",
     over=({"part": "", "moved": "c'_d"}, {"part": "-level", "moved": "c'"}),
 )
 def assembled(mutation: Mutation, part: str) -> Statement:
@@ -95,6 +93,9 @@ def assembled(mutation: Mutation, part: str) -> Statement:
 
     The step that the law takes is the one that the entries prox.* are about, with rates and targets
     as they are there.
+
+    Given: any pose, velocity, reference and parameters; c' and c'_d the rate of v_c0 and its part
+    by the reference's acceleration.
     """
     law = LawGraph("prox", *((("gains.prox.transport", "level"),) if part else ()))
     t, context = law.symbols, law.context
@@ -112,12 +113,14 @@ def assembled(mutation: Mutation, part: str) -> Statement:
     return Statement(t | free, goals, cuts=dict(zip(free, steps, strict=True)))
 
 
-@claim("prox.force", given="T, M > 0; F1(v+) and v+ whatever they are", each=BOTH_AXES)
+@claim("prox.force", each=BOTH_AXES)
 def force(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph v + T (F - F1(v+) - f)/M = v+, on each axis.
 
     With the model exact the law's force leads to the velocity that it aims at in one period; f is
     what the observer adds.
+
+    Given: T, M > 0; F1(v+) and v+ whatever they are.
     """
     s = Sampled(axis)
     goal = s.moved(-mutation * s.free.f) == s.free.next
@@ -126,7 +129,6 @@ def force(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "prox.pushed",
-    given="T, M > 0, mass right; w+ the distance to the actual target, c+ + eps",
     premises="prox.contracts prox.not-expansive",
     each=BOTH_AXES,
 )
@@ -136,20 +138,22 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
 
     What a push costs in one sample, at every speed: the part that the observer does not compensate,
     over the mass. There is no speed from which a push is stronger than the law.
+
+    Given: T, M > 0, mass right; w+ the distance to the actual target, c+ + eps.
     """
     s = Sampled(axis)
     t = symbols("d w way x_next x_real eps E")
-    nearest = t.E * (t.w + t.way) >= abs(s.free.next - t.x_next)
-    moved = abs(t.eps) >= abs(t.x_real - t.x_next)
-    push = s.period * abs(t.d + s.free.f) / s.mass
-    most = t.E * (t.w + t.way) + mutation(push, 0.9 * push) + abs(t.eps)
-    goal = most >= abs(s.moved(t.d) - t.x_real)
+    d, w, way, x_next, x_real, eps, E = t.values()
+    nearest = E * (w + way) >= abs(s.free.next - x_next)
+    moved = abs(eps) >= abs(x_real - x_next)
+    push = s.period * abs(d + s.free.f) / s.mass
+    most = E * (w + way) + mutation(push, 0.9 * push) + abs(eps)
+    goal = most >= abs(s.moved(d) - x_real)
     return s.states(goal, given=(s.numbers, nearest, moved), cuts=s.force_cuts, more=t)
 
 
 @claim(
     "prox.limit",
-    given="T, M > 0; |v+| <= v_u1 - m (prox.margin), |T (f + d)/M| <= m, F1(v+) as believed",
     premises="prox.margin transport.inside lemma.sampling",
     each=BOTH_AXES,
 )
@@ -158,6 +162,8 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     |v| <= v_u1 at the next sample, on each axis.
 
     The limits that the law keeps by itself; the guard keeps them under weaker conditions.
+
+    Given: T, M > 0; |v+| <= v_u1 - m (prox.margin), |T (f + d)/M| <= m, F1(v+) as believed.
     """
     s, t = Sampled(axis), symbols("d m")
     u1 = s.law[f"limits.v_u1[{axis + 1}]"]
@@ -174,8 +180,6 @@ def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relations:
 
 @claim(
     "prox.gain.step",
-    given="T, M > 0, 0 < E < 1; |v+ - x+| <= E (|w| + r) (prox.contracts), |f + d| <= p, the "
-    "target's next value off by at most eps; W (1 - E) = T p/M + eps + E r",
     premises="prox.contracts",
     each=BOTH_AXES,
 )
@@ -183,23 +187,29 @@ def gain_step(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph: max(|w+| - W, 0) <= E max(|w| - W, 0), on each axis.
 
     One term of the series that prox.gain sums up.
+
+    Given: T, M > 0, 0 < E < 1; |v+ - x+| <= E (|w| + r) (prox.contracts), |f + d| <= p, the
+    target's next value off by at most eps; W (1 - E) = T p/M + eps + E r.
     """
     s, t = Sampled(axis), symbols("d w way x_next x_real eps E p W")
-    whole = s.period * t.p / s.mass + t.eps + t.E * t.way
-    nearest = t.E * (t.w + t.way) >= abs(s.free.next - t.x_next)
-    off = within(t.x_real - t.x_next, t.eps), within(s.free.f + t.d, t.p)
-    sums_up = equal(t.W * (1 - t.E), mutation(1, 0.9) * whole)
-    given = s.numbers, t.E > 0, t.E < 1, t.w >= 0, nearest, off, sums_up
-    goal = falls(abs(s.moved(t.d) - t.x_real), t.w, t.W, t.E)
+    d, w, way, x_next, x_real, eps, E, p, W = t.values()
+    whole = s.period * p / s.mass + eps + E * way
+    nearest = E * (w + way) >= abs(s.free.next - x_next)
+    off = within(x_real - x_next, eps), within(s.free.f + d, p)
+    sums_up = equal(W * (1 - E), mutation(1, 0.9) * whole)
+    given = s.numbers, E > 0, E < 1, w >= 0, nearest, off, sums_up
+    goal = falls(abs(s.moved(d) - x_real), w, W, E)
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
-@claim("prox.gain.observer", given="as prox.observer; |d - d_old| <= L P", each=BOTH_AXES)
+@claim("prox.gain.observer", each=BOTH_AXES)
 def gain_observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, L = 1 - exp(-wo T): max(|f + d| - P, 0) <= (1 - L) max(|f_old + d_old| -
     P, 0), on each axis.
 
     One term of the observer's series in prox.gain.
+
+    Given: as prox.observer; |d - d_old| <= L P.
     """
     s, t = Sampled(axis), symbols("d d_old P")
     slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
@@ -209,12 +219,14 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
-@claim("prox.observer-first", given="the state that the law starts from; any first sample")
+@claim("prox.observer-first")
 def observer_first(mutation: Mutation) -> Statement:
     """on the law's graph f = 0 at the first sample, and its velocity is the old one of the next,
     when the observer has begun; both axes.
 
     From there on prox.observer holds; the first command compensates no push.
+
+    Given: the state that the law starts from; any first sample.
     """
     law = LawGraph("prox")
     later = ca.substitute(law.system.update, law.system.x, ca.DM(law.system.x0))
@@ -225,14 +237,15 @@ def observer_first(mutation: Mutation) -> Statement:
 
 @claim(
     "prox.observer",
-    given="after the first sample; T, M, r, l, wo > 0; M (v - v_old)/T = F_applied - F1 + d_old "
-    "with the believed M and F1 at the middle velocity; d acts from now on",
     each=BOTH_AXES,
 )
 def observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, on each axis.
 
     The observer compensates a push at the rate wo; what remains comes from the push's changes.
+
+    Given: after the first sample; T, M, r, l, wo > 0; M (v - v_old)/T = F_applied - F1 + d_old with
+    the believed M and F1 at the middle velocity; d acts from now on.
     """
     s, t = Sampled(axis), symbols("d d_old")
     left = (1 + mutation * s.free.fall) * (s.f_old + t.d_old) + t.d - t.d_old
@@ -241,21 +254,24 @@ def observer(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
 
-@claim("prox.observer-bound", given="as prox.observer; 0 < exp(-wo T) < 1", each=BOTH_AXES)
+@claim("prox.observer-bound", each=BOTH_AXES)
 def observer_bound(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, with L = 1 - exp(-wo T): |d_old|, |f_old| <= D imply |f| <= D; L |f_old +
     d_old|, |d - d_old| <= D imply L |f + d| <= D, on each axis.
 
     What the observer leaves over is at most 2 sup |d|, and at most the largest change of d from
     sample to sample over L.
+
+    Given: as prox.observer; 0 < exp(-wo T) < 1.
     """
     s, t = Sampled(axis), symbols("d d_old most change")
+    d, d_old, most, change = t.values()
     share, f = -s.free.fall, s.law.system.update[axis]
-    old, new = s.f_old + t.d_old, f + t.d
+    old, new = s.f_old + d_old, f + d
     tight = mutation(1, 0.9)
-    sizes = ca.logic_and(abs(t.d_old) <= t.most, abs(s.f_old) <= t.most)
-    slow = ca.logic_and(abs(t.d - t.d_old) <= t.change, share * abs(old) <= t.change)
-    small = when(sizes, tight * t.most >= abs(f))
-    goals = small, when(slow, tight * t.change >= share * abs(new))
-    given = s.observed, s.gained(t.d_old)
+    sizes = ca.logic_and(abs(d_old) <= most, abs(s.f_old) <= most)
+    slow = ca.logic_and(abs(d - d_old) <= change, share * abs(old) <= change)
+    small = when(sizes, tight * most >= abs(f))
+    goals = small, when(slow, tight * change >= share * abs(new))
+    given = s.observed, s.gained(d_old)
     return s.states(goals, given=given, cuts=s.observer_cuts, more=t)

@@ -32,13 +32,14 @@ claim = Claims(by=Z3())
 
 @claim(
     "prox.loop-force",
-    given="T, M^ > 0; target held, v+ = v - a w; no disturbance, F1(v+) compensated",
     each=BOTH_AXES,
 )
 def loop_force(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, on each axis.
 
     How a wrong mass changes the step.
+
+    Given: T, M^ > 0; target held, v+ = v - a w; no disturbance, F1(v+) compensated.
     """
     s, t = Sampled(axis), symbols("mu a x")
     w, q = s.v - t.x, s.period * s.free.f / s.mass
@@ -72,7 +73,6 @@ def sampled_before(axis: int) -> Both:
 
 @claim(
     "prox.loop-observer{of}",
-    given="as prox.loop-force, one sample later; F1 between the samples compensated",
     by=sampled_before,
     over=named_axes(),
 )
@@ -80,6 +80,8 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis.
 
     How a wrong mass changes the observer.
+
+    Given: as prox.loop-force, one sample later; F1 between the samples compensated.
     """
     s, t = Sampled(axis), symbols("mu a w")
     share, q = -s.free.fall, s.period * s.f_old / s.mass
@@ -93,36 +95,41 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "prox.jury",
-    given="mu = M^/M, L = 1 - exp(-wo T), v+ = v - a w: a = 1 - E below v_u2 with the target "
-    "held; c held",
     premises=LOOP,
 )
 def jury(mutation: Mutation) -> Statement:
     """velocity loop with observer: 1 + tr + det = 4 - mu (2 (a + L) - a L), 1 - tr + det = mu a L.
 
     The two numbers that decide the sampled loop's stability.
+
+    Given: mu = M^/M, L = 1 - exp(-wo T), v+ = v - a w: a = 1 - E below v_u2 with the target held; c
+    held.
     """
     t = symbols("mu a L")
-    loop = _matrix(t.mu, t.a, t.L)
+    mu, a, L = t.values()
+    loop = _matrix(mu, a, L)
     trace, det = loop[0, 0] + loop[1, 1], loop[0, 0] * loop[1, 1] - loop[0, 1] * loop[1, 0]
-    edge = 4 - t.mu * (2 * (t.a + t.L) - mutation * t.a * t.L)
-    return Statement(t, (1 + trace + det == edge, 1 - trace + det == t.mu * t.a * t.L))
+    edge = 4 - mu * (2 * (a + L) - mutation * a * L)
+    return Statement(t, (1 + trace + det == edge, 1 - trace + det == mu * a * L))
 
 
-@claim("prox.light-model", given="0 < a, L < 1", premises="prox.jury")
+@claim("prox.light-model", premises="prox.jury")
 def light_model(mutation: Mutation) -> Statement:
     """M^ <= (4/3) M makes the velocity loop stable for every rho, T and wo.
 
     If in doubt, state a mass that is too small rather than too large. This is about a target that
     is held: the tracking loop makes a larger (a = (1 - E)(1 + T k1) on the linear axis), and
     `check` has its limits.
+
+    Given: 0 < a, L < 1.
     """
     t = symbols("mu a L")
+    mu, a, L = t.values()
     given = [part for name in ("a", "L") for part in (t[name] > 0, t[name] < 1)]
     share = mutation(4 / ca.SX(3), ca.SX(1.5))
-    edge = 4 - t.mu * (2 * (t.a + t.L) - t.a * t.L)
-    det = 1 - t.mu * (t.a + t.L) + t.mu * t.a * t.L
-    light = t.mu > 0, share >= t.mu
+    edge = 4 - mu * (2 * (a + L) - a * L)
+    det = 1 - mu * (a + L) + mu * a * L
+    light = mu > 0, share >= mu
     return Statement(t, (edge > 0, det < 1), (given, light))
 
 

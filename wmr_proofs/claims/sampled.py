@@ -112,9 +112,6 @@ claim = Claims()
 @claim(
     "{s.id}",
     (9,),
-    given="paper limits and gains; mass exact, friction compensated; doubles; log of the C "
-    "library right to 2^-51 (tested); no underflow; the force acts as computed: its conversion to "
-    "wheel torques is not in the graph",
     by=lambda s: s.method,
     premises="assumption.libm lemma.sampling",
     over=rows(s=SETTINGS),
@@ -125,6 +122,10 @@ def held(mutation: Mutation, s: Held) -> Statement:
 
     The law's compiled text, with every rounding error that it can make, keeps the limit from one
     sample to the next under the stated disturbance.
+
+    Given: paper limits and gains; mass exact, friction compensated; doubles; log of the C library
+    right to 2^-51 (tested); no underflow; the force acts as computed: its conversion to wheel
+    torques is not in the graph.
     """
     return s.statement(mutation)
 
@@ -132,7 +133,6 @@ def held(mutation: Mutation, s: Held) -> Statement:
 @claim(
     "{s.id}",
     (9,),
-    given="paper limits and gains; mass exact, friction compensated",
     by=lambda points: Refute(points),
     over=SLOW,
 )
@@ -142,6 +142,8 @@ def slow(mutation: Mutation, s: Held) -> Statement:
 
     With the 100 ms of the paper's experiment and the gains of its simulation one sample is enough
     to break the limit.
+
+    Given: paper limits and gains; mass exact, friction compensated.
     """
     return s.statement(mutation)
 
@@ -208,7 +210,6 @@ newton_claim = Claims(given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}")
 @newton_claim(
     "convex",
     (12, 80),
-    given="every 0 < v_u2 < v_u1, |v| and |y| < v_u1, any v_c0",
     by=Ring(tuple(_pairs()), log_lemma=True),
     premises="lemma.log",
 )
@@ -217,6 +218,8 @@ def above_tangent(mutation: Mutation) -> Statement:
     between those of the two sides.
 
     The barrier function lies above each of its tangents, its corner included.
+
+    Given: every 0 < v_u2 < v_u1, |v| and |y| < v_u1, any v_c0.
     """
     # V1(y) >= V1(v) + (A + jump) (y - v) + (y - v)^2/2; the minimum of (16) stands as any number.
     # ``jump`` is 0 off the corner, and there up to the corner's jump of slope 1/(u1 - u2).

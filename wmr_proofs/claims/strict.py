@@ -71,32 +71,38 @@ FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
 claim = Claims(by=Z3())
 
 
-@claim("strict.falls", (31,), given=NEAR)
+@claim("strict.falls", (31,))
 def falls(mutation: Mutation) -> Statement:
     """W = V2 + eps e2 sin e3 has W' <= -(e1^2 + e2^2 + sin^2 e3)/1000.
 
     Unlike V2, this function falls in every direction, so disturbances can be weighed against it.
+
+    Given: {NEAR}.
     """
     t = Strict()
     return t.states(-mutation(1000, 10) * t.W_rate >= t.size, given=t.near)
 
 
-@claim("strict.bounds", (31,), given=NEAR)
+@claim("strict.bounds", (31,))
 def between(mutation: Mutation) -> Statement:
     """(e1^2 + e2^2 + sin^2 e3)/20 <= W <= e1^2 + e2^2 + sin^2 e3.
 
     W measures the distance from the path.
+
+    Given: {NEAR}.
     """
     t = Strict()
     return t.states(mutation(20, 2) * t.W >= t.size, t.size >= t.W, given=t.near)
 
 
-@claim("strict.rate", (31,), given=NEAR, by=Z3(points=RATES), premises="strict.falls strict.bounds")
+@claim("strict.rate", (31,), by=Z3(points=RATES), premises="strict.falls strict.bounds")
 def exponential(mutation: Mutation) -> Statement:
     """W' <= -W/1000: the error decays exponentially.
 
     The robot returns to the path exponentially, at a guaranteed (if small) rate; the paper only
     says that it converges.
+
+    Given: {NEAR}.
     """
     # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
     t = Strict()
@@ -105,11 +111,13 @@ def exponential(mutation: Mutation) -> Statement:
     return Statement(t, goal, given, {"value": t.W, "rate": t.W_rate})
 
 
-@claim("strict.region", (31,), given="k2 = 5, eps = 1/50")
+@claim("strict.region", (31,))
 def stays(mutation: Mutation) -> Statement:
     """W < 1/20 implies |e1|, |e2| < 1 and cos e3 > 1/4.
 
     Inside this set the rate holds.
+
+    Given: k2 = 5, eps = 1/50.
     """
     t = Strict()
     given = t.k2 == 5, 50 * t.eps == 1, mutation > 20 * mutation * t.W
@@ -117,11 +125,13 @@ def stays(mutation: Mutation) -> Statement:
     return t.states(goals, given=given)
 
 
-@claim("level.pull", (7, 18), given="every 0 < v_u2 < v_u1")
+@claim("level.pull", (7, 18))
 def pull(mutation: Mutation) -> Statement:
     """(sat(p + y) - p) y >= 0 for |p| <= v_u2, where sat maps v_c0 to v_c1.
 
     The limit weakens a correction but never reverses it.
+
+    Given: every 0 < v_u2 < v_u1.
     """
     a, _, _, u1, u2 = barrier_axis()
     t = a | symbols("p y")
@@ -130,10 +140,12 @@ def pull(mutation: Mutation) -> Statement:
     return Statement(t, moved * t.y >= 0, given)
 
 
-@claim("level.rate", (31, 36), given="k2 > 0", by=Ring((Case("any", declared={"k2": POSITIVE}),)))
+@claim("level.rate", (31, 36), by=Ring((Case("any", declared={"k2": POSITIVE}),)))
 def saturated_rate(mutation: Mutation) -> Statement:
     """for any v: V2' = -(v1 - p1) e1 - (v2 - p2) sin e3/k2, p1 = v1d cos e3, p2 = v2d +
     k2 v1d e2.
+
+    Given: k2 > 0.
     """
     t = Tracking("x1 x2")
     e, k2, x, p = t.e, t.k[1], ca.vertcat(t.x1, t.x2), _undisturbed(t)
@@ -141,9 +153,12 @@ def saturated_rate(mutation: Mutation) -> Statement:
     return t.states(analysis.position_rate(e, x, t.v_d, k2) == written)
 
 
-@claim("level.argument", (7,), given="any", by=Ring())
+@claim("level.argument", (7,), by=Ring())
 def argument(mutation: Mutation) -> Statement:
-    """v_c0 = p + (k1 e1, k3 sin e3)."""
+    """v_c0 = p + (k1 e1, k3 sin e3).
+
+    Given: any.
+    """
     # The corrections have the signs of e1 and sin e3.
     t = Tracking()
     target, p = auxiliary_velocity(t.e, t.v_d, t.k), _undisturbed(t)
@@ -154,12 +169,13 @@ def argument(mutation: Mutation) -> Statement:
 @claim(
     "level.inside",
     (31,),
-    given="0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0",
     by=Z3(points=(TOP,)),
 )
 def level_set(mutation: Mutation) -> Statement:
     """V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, cos e3 >
     -1.
+
+    Given: 0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0.
     """
     t = Tracking("u21 u22 level")
     e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t.level, _undisturbed(t)
@@ -174,8 +190,6 @@ def level_set(mutation: Mutation) -> Statement:
 @claim(
     "level.invariant",
     (31,),
-    given="k2 > 0; level.pull with y = k1 e1 and y = k3 sin e3, where level.inside has |p1| <= "
-    "v_u21, |p2| <= v_u22; k1, k3 > 0",
     by=Z3(points=(FACING,)),
     premises="level.pull level.rate level.argument level.inside lemma.integration",
 )
@@ -187,6 +201,9 @@ def level_invariant(mutation: Mutation) -> Statement:
     touched, and never shows that the robot gets
     there. This set, V2 < 0.4 with the paper's numbers, holds the paper's own start, which is
     saturated.
+
+    Given: k2 > 0; level.pull with y = k1 e1 and y = k3 sin e3, where level.inside has |p1| <=
+    v_u21, |p2| <= v_u22; k1, k3 > 0.
     """
     t = Tracking("x1 x2")
     e, k, x, p = t.e, t.k, ca.vertcat(t.x1, t.x2), _undisturbed(t)
@@ -201,35 +218,40 @@ def level_invariant(mutation: Mutation) -> Statement:
 @claim(
     "level.start",
     (31,),
-    given="e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5",
     by=Ball(box=START),
 )
 def paper_level(mutation: Mutation) -> Statement:
     """the paper's start has V2 < 0.33 < 0.4.
 
     The paper's run starts inside.
+
+    Given: e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5.
     """
     t = Tracking()
     return t.states(mutation(0.33, 0.3) > analysis.position_lyapunov(t.e, t.k[1]))
 
 
-@claim("level.everywhere", (31,), given="every e", by=Refute(SIDEWAYS))
+@claim("level.everywhere", (31,), by=Refute(SIDEWAYS))
 def saturated_growth(_: Mutation) -> Statement:
     """V2' <= 0 for v = v_c1 everywhere.
 
     Outside the set a saturated robot may first move away: 3 m to the side V2 grows.
+
+    Given: every e.
     """
     t = Tracking("u11 u12 u21 u22")
     return t.states(analysis.position_rate(t.e, _limited(t), t.v_d, t.k[1]) <= 0)
 
 
-@claim("E7", (7,), form=PRINTED, given="0 < v1d < v_u11, cos e3 > 0", by=Refute(FAST))
+@claim("E7", (7,), form=PRINTED, by=Refute(FAST))
 def stuck(_: Mutation) -> Statement:
     """v1d < v_u11 suffices: e = 0 is the only equilibrium.
 
     With v1d = 0.9 m/s between v_u21 = 0.8 and v_u11 = 1 a robot exactly 1 m behind stays
     there (e' = 0): the hypothesis must be v1d < v_u21 (and |v2d| < v_u22, which the paper does
     not state).
+
+    Given: 0 < v1d < v_u11, cos e3 > 0.
     """
     t = Tracking("u11 u12 u21 u22")
     given = positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), t.u11 > t.v_d[0]

@@ -135,12 +135,14 @@ def q_at_target(mutation: Mutation) -> Statement:
     return a.states(ca.substitute(a.stable.q, v, a.x) == ca.gradient(a.x, c) + mutation(0, c))
 
 
-@claim("P8", (9,), given="P4 and P5 for the inner values", by=Z3(), premises="P4 P5")
+@claim("P8", (9,), by=Z3(), premises="P4 P5")
 def bounded_command(mutation: Mutation) -> Statement:
     """|commanded acceleration| <= rho |v - v_c1| + |v_c0'| on the law's graph.
 
     The command stays bounded right up to the speed limit; this barrier does not push infinitely
     hard.
+
+    Given: P4 and P5 for the inner values.
     """
     law = LawGraph("mb")
     names = {n: law[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}

@@ -29,7 +29,6 @@ claim = Claims(by=Z3(), form=PRINTED)
     "eq40",
     (40,),
     form=CORRECTED,
-    given="l > 5, k2 > 0; 1 - cos t <= t^2/2",
     by=Z3(points=(SIDE_POINT,)),
     premises="lemma.sine",
 )
@@ -38,6 +37,8 @@ def start(mutation: Mutation) -> Statement:
     |e2| < l |e1|).
 
     When only the sideways error is left, it alone decides.
+
+    Given: l > 5, k2 > 0; 1 - cos t <= t^2/2.
     """
     t = Tracking("l")
     e, k2, l = t.e, t.k[1], t.l
@@ -52,22 +53,25 @@ def start(mutation: Mutation) -> Statement:
 @claim(
     "eq40.printed",
     (40,),
-    given="l > 5, k2 > 0, |e2| < l |e1|, |e2| > l |e3|",
     by=Refute((SIDE_POINT,)),
 )
 def eq40_printed(mutation: Mutation) -> Statement:
     """the same for |e2| < l |e1|.
 
     With the printed inequality the bound is false: the error ahead may be the larger one.
+
+    Given: l > 5, k2 > 0, |e2| < l |e1|, |e2| > l |e3|.
     """
     return start(-mutation)
 
 
-@claim("eq42.rate", (42,), given="|e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2")
+@claim("eq42.rate", (42,))
 def growth(mutation: Mutation) -> Statement:
     """eps1 < k3 V2(t0)/(2 l^2 k2).
 
     The unwanted growth is small compared with the value.
+
+    Given: |e2(t0)| > 2 l sqrt(k2 eps1/k3), V2 > e2^2/2.
     """
     t = symbols("l k2 k3 E V0 eps1 root")
     l, k2, k3, E, V0, eps1, root = t.values()
@@ -76,11 +80,13 @@ def growth(mutation: Mutation) -> Statement:
     return Statement(t, k3 * V0 > mutation(1, 4) * 2 * l**2 * k2 * eps1, given)
 
 
-@claim("eq42", (42,), given="l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5")
+@claim("eq42", (42,))
 def window_value(mutation: Mutation) -> Statement:
     """V2 < V2(t0)(1 + k3 T/(2 l^2 k2)) < 1.1 V2(t0) < 0.594 e2(t0)^2.
 
     Over the window the error hardly grows.
+
+    Given: l > 5, k2 >= 1, T < 0.2, k3/(2 k2 l^2) < 0.5.
     """
     t = symbols("l k2 k3 T V0 E")
     l, k2, k3, T, V0, E = t.values()
@@ -93,11 +99,13 @@ def window_value(mutation: Mutation) -> Statement:
 
 @claim(
     "eq4{k}",
-    given="V2 < 0.594 e2(t0)^2",
     over=({"k": 3, "equations": (43,), "side": 2}, {"k": 4, "equations": (44,), "side": 1}),
 )
 def side_bound(mutation: Mutation, side: int) -> Statement:
-    """|e{side}| < 1.1 |e2(t0)|."""
+    """|e{side}| < 1.1 |e2(t0)|.
+
+    Given: V2 < 0.594 e2(t0)^2.
+    """
     t = Tracking("E")
     value = analysis.position_lyapunov(t.e, t.k[1])
     given = positive(t.k[1], t.E), 1000 * value < 594 * t.E**2
@@ -105,20 +113,24 @@ def side_bound(mutation: Mutation, side: int) -> Statement:
     return Statement(t, 121 * t.E**2 * limit > 121 * t.e[side - 1] ** 2, given)
 
 
-@claim("eq45.printed", (45, 50), given="any", by=Ring(GAINS))
+@claim("eq45.printed", (45, 50), by=Ring(GAINS))
 def eq45_printed(mutation: Mutation) -> Statement:
     """e3' = -k2 v1d e2 - k3 sin e3 + z2.
 
     The sign of z2 is wrong; harmless, because only |z2| is used afterwards.
+
+    Given: any.
     """
     return angle_rate(-mutation)
 
 
-@claim("eq45", (45, 50), form=CORRECTED, given="any", by=Ring(GAINS))
+@claim("eq45", (45, 50), form=CORRECTED, by=Ring(GAINS))
 def angle_rate(mutation: Mutation) -> Statement:
     """e3' = -k2 v1d e2 - k3 sin e3 - z2.
 
     A sideways error turns the robot.
+
+    Given: any.
     """
     t = Tracking()
     k, e = t.k, t.e
@@ -129,7 +141,6 @@ def angle_rate(mutation: Mutation) -> Statement:
 @claim(
     "eq46",
     (46,),
-    given="|e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper)",
     by=Z3(points=(PUSHED,)),
     premises="lemma.integration",
 )
@@ -137,6 +148,8 @@ def angle_grows(mutation: Mutation) -> Statement:
     """sgn(e3) e3' <= |k2 v1d e2 + z2| at every instant.
 
     The sine term only helps, as long as the robot does not face backwards.
+
+    Given: |e3| <= pi, so that e3 sin e3 >= 0 (not said in the paper).
     """
     t = Tracking()
     k, e = t.k, t.e
@@ -145,14 +158,14 @@ def angle_grows(mutation: Mutation) -> Statement:
     return t.states(push * abs(e[2]) >= e[2] * t.rate[2], given=given)
 
 
-@claim(
-    "eq47", (47,), given="T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l", premises="eq43 eq46"
-)
+@claim("eq47", (47,), premises="eq43 eq46")
 def angle_bound(mutation: Mutation) -> Statement:
     """|e3(t0)| + (1.1 k2 v1dmax |e2(t0)| + |z2|) T < |e2(t0)| (1/l + 11 v1dmax/(l v1dmin) + k3/(5
     l)).
 
     The angle stays small over the window.
+
+    Given: T = 10/(l k2 v1dmin) < 0.2, |z2| < k3 |e2(t0)|/l.
     """
     t = symbols("l k2 k3 v1dmin v1dmax E e3 z2")
     l, k2, k3, low, high, E, e3, z2 = t.values()
@@ -164,9 +177,12 @@ def angle_bound(mutation: Mutation) -> Statement:
     return Statement(t, bound >= start, given)
 
 
-@claim("eq48", (48,), given="|sin t| <= |t|", premises="lemma.sine lemma.integration")
+@claim("eq48", (48,), premises="lemma.sine lemma.integration")
 def side_rate(mutation: Mutation) -> Statement:
-    """|e2'| <= |e1| |v2| + v1d |e3| at every instant."""
+    """|e2'| <= |e1| |v2| + v1d |e3| at every instant.
+
+    Given: |sin t| <= |t|.
+    """
     t = Tracking()
     e, v2 = t.e, t.followed[1]
     given = t.v_d[0] > 0, abs(e[2]) >= abs(ca.sin(e[2]))
@@ -174,11 +190,13 @@ def side_rate(mutation: Mutation) -> Statement:
     return t.states(bound >= abs(t.rate[1]), given=given)
 
 
-@claim("eq49", (49,), given=FIVE, premises="eq44 eq47 eq48")
+@claim("eq49", (49,), premises="eq44 eq47 eq48")
 def side_stays(mutation: Mutation) -> Statement:
     """|e2| > 0.8 |e2(t0)|.
 
     The sideways error cannot vanish within the window, so it keeps turning the robot.
+
+    Given: {FIVE}.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max E")
     l, k2, k3, low, high, v2, E = t.values()

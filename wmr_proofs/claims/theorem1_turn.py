@@ -31,11 +31,12 @@ def paper_gains(t: Symbols) -> Relations:
 claim = Claims(by=Z3(), form=PRINTED)
 
 
-@claim(
-    "eq50", (50,), form=CORRECTED, given="e2 > 0.8 |e2(t0)|, |z2| < k3 |e2(t0)|/l", premises="eq49"
-)
+@claim("eq50", (50,), form=CORRECTED, premises="eq49")
 def angle_falls(mutation: Mutation) -> Statement:
-    """e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l)."""
+    """e3' < -0.8 k2 v1d |e2(t0)| + k3 (|sin e3| + |e2(t0)|/l).
+
+    Given: e2 > 0.8 |e2(t0)|, |z2| < k3 |e2(t0)|/l.
+    """
     t = Tracking("l E")
     l, E = t.l, t.E
     stays = 5 * t.e[1] > 4 * E, t.k[2] * E > l * abs(t.z[1])
@@ -47,7 +48,6 @@ def angle_falls(mutation: Mutation) -> Statement:
 @claim(
     "eq51.printed",
     (51,),
-    given="k2, k3, v1dmin, v1dmax > 0",
     by=Refute((at(k2=5, k3=4, v1dmin="1/5", v1dmax="1/5"),)),
 )
 def printed_share(_: Mutation) -> Statement:
@@ -55,6 +55,8 @@ def printed_share(_: Mutation) -> Statement:
 
     One k2 too many: the condition on l is k2 times too strict (l above 1136 instead of above 256
     with the paper's gains). The text at hand may have lost a fraction bar.
+
+    Given: k2, k3, v1dmin, v1dmax > 0.
     """
     t = symbols("k2 k3 v1dmin v1dmax")
     k2, k3, low, high = t.values()
@@ -66,13 +68,14 @@ def printed_share(_: Mutation) -> Statement:
     "eq51.share",
     (51,),
     form=CORRECTED,
-    given="l, k2, k3, v1dmin, v1dmax, E > 0",
     by=Ring((Case("any", declared=dict.fromkeys(NUMBERS.split(), POSITIVE)),)),
 )
 def share(mutation: Mutation) -> Statement:
     """the share in (51) is 1 + 11 v1dmax/v1dmin + k3/5.
 
     What (47) gives.
+
+    Given: l, k2, k3, v1dmin, v1dmax, E > 0.
     """
     t = symbols(NUMBERS)
     l, k2, k3, low, high, E = t.values()
@@ -85,13 +88,14 @@ def share(mutation: Mutation) -> Statement:
     "eq51",
     (51,),
     form=CORRECTED,
-    given="fourth and sixth condition on l, the latter corrected",
     premises="eq47 eq50",
 )
 def angle_speed(mutation: Mutation) -> Statement:
     """e3' < -0.5 k2 v1dmin |e2(t0)|.
 
     The robot turns towards the path at a guaranteed speed.
+
+    Given: fourth and sixth condition on l, the latter corrected.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max E v1d sine")
     l, k2, k3, low, high, _, E, v1d, sine = t.values()
@@ -106,12 +110,14 @@ def angle_speed(mutation: Mutation) -> Statement:
 @claim(
     "eq52",
     (52,),
-    given="(39)",
     by=Z3(points=(at(e1=1, e2=0, e3=1, z1=0, z2=0, k1=1, k2=1, k3=1, eps1=1),)),
     premises="eq39",
 )
 def rise(mutation: Mutation) -> Statement:
-    """V2' < eps1."""
+    """V2' < eps1.
+
+    Given: (39).
+    """
     t = Tracking("eps1")
     given = positive(*(t.k[i] for i in range(3)))
     bound = analysis.position_rate_bound(t.e, t.z, mutation * t.k)
@@ -121,7 +127,6 @@ def rise(mutation: Mutation) -> Statement:
 @claim(
     "eq53-54",
     (53, 54),
-    given="|e2(t0)| > 2 l (sqrt(k2 eps1/k3) + eps0/(2 k3)), |z2| <= eps0",
     premises="eq51",
 )
 def angle_end(mutation: Mutation) -> Statement:
@@ -129,6 +134,8 @@ def angle_end(mutation: Mutation) -> Statement:
     < 0 (s = -1).
 
     By then the robot points clearly towards the path.
+
+    Given: |e2(t0)| > 2 l (sqrt(k2 eps1/k3) + eps0/(2 k3)), |z2| <= eps0.
     """
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
@@ -145,13 +152,14 @@ def angle_end(mutation: Mutation) -> Statement:
 @claim(
     "eq55.printed",
     (55,),
-    given="x = sqrt(k2 eps1/k3) + |z2|/(2 k3) < 11/14 (just above pi/4), |e3| < 22/7",
     by=Refute((at(e3="-78001/25000", x="39/50", root="39/50", eps1="1521/2500", **LATE),)),
 )
 def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
     """|e3| > 4 x gives V2' < -3 eps1, with x < pi/4 as the only condition.
 
     With x = 0.78 the angle may be 3.12, almost backwards, where the sine is 0.02.
+
+    Given: x = sqrt(k2 eps1/k3) + |z2|/(2 k3) < 11/14 (just above pi/4), |e3| < 22/7.
     """
     t = Tracking("root eps1 x")
     e3, z2, k2, k3 = t.e[2], t.z[1], t.k[1], t.k[2]
@@ -171,7 +179,6 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
     "eq55",
     (55,),
     form=CORRECTED,
-    given="|e3| <= pi/2, x < pi/8, k1 > 0; |sin t| >= (2/pi)|t| > (7/11)|t|",
     by=Z3(points=BARELY_PAST),
     premises="lemma.sine",
 )
@@ -179,26 +186,32 @@ def eq55(mutation: Mutation) -> Statement:
     """the same where |sin e3| >= (7/11)|e3|, which holds for |e3| <= pi/2; that needs 4 x < pi/2.
 
     The step needs an angle below a quarter turn and a velocity error half as large.
+
+    Given: |e3| <= pi/2, x < pi/8, k1 > 0; |sin t| >= (2/pi)|t| > (7/11)|t|.
     """
     return eq55_printed(mutation, True)
 
 
-@claim("eq56", (56,), given="any", by=Ring())
+@claim("eq56", (56,), by=Ring())
 def mean(mutation: Mutation) -> Statement:
     """(3/5) T eps1 - (2/5) T 3 eps1 = -(3/5) T eps1.
 
     On average over the window the error falls.
+
+    Given: any.
     """
     t = symbols("T eps1")
     return Statement(t, analysis.mean_rise(t.T, t.eps1) == -3 * mutation * t.T * t.eps1)
 
 
-@claim("conditions.least", (40,), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
+@claim("conditions.least", (40,), form=OURS)
 def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256) -> Statement:
     """with the paper's gains all six conditions on l (the sixth corrected) hold for every l > 256.
 
     The theorem asks that the sideways error be more than 256 times the others before it says
     anything.
+
+    Given: k = (10, 5, 4), v1d = 0.2, v2max = 1.5.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     six = conditions(t, printed)
@@ -206,22 +219,26 @@ def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256
     return Statement(t, positive(*ca.vertsplit(six)), (paper_gains(t), start))
 
 
-@claim("conditions.256", (40,), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
+@claim("conditions.256", (40,), form=OURS)
 def at_256(_: Mutation) -> Statement:
     """l = 256 itself satisfies them.
 
     The sixth condition holds there with equality, and it is strict: the least whole number is 257.
     Floating-point arithmetic hides this. A least real l, which the paper takes, does not exist.
+
+    Given: k = (10, 5, 4), v1d = 0.2, v2max = 1.5.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     given = paper_gains(t), t.l == 256
     return Statement(t, positive(*ca.vertsplit(conditions(t))), given)
 
 
-@claim("conditions.printed", (40, 51), form=OURS, given="k = (10, 5, 4), v1d = 0.2, v2max = 1.5")
+@claim("conditions.printed", (40, 51), form=OURS)
 def conditions_printed(mutation: Mutation) -> Statement:
     """with the sixth condition as printed they hold for every l > 1136.
 
     The further k2 makes the theorem more than four times weaker.
+
+    Given: k = (10, 5, 4), v1d = 0.2, v2max = 1.5.
     """
     return conditions_least(mutation, True, 1136)

@@ -48,11 +48,13 @@ SLIGHT = at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", **PAPER, eps0="1/2", root="
 claim = Claims(by=Ring(GAINS), form=PRINTED)
 
 
-@claim("eq32", (31, 32), given=ANY)
+@claim("eq32", (31, 32))
 def derivative(mutation: Mutation) -> Statement:
     """V2' = e1' e1 + e2' e2 + e3' sin e3/k2.
 
     How the Lyapunov function of the position errors changes.
+
+    Given: {ANY}.
     """
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
@@ -61,11 +63,13 @@ def derivative(mutation: Mutation) -> Statement:
     return t.states(analysis.position_rate(e, v, v_d, k2) == chain)
 
 
-@claim("eq36", (33, 34, 35, 36), given=ANY)
+@claim("eq36", (33, 34, 35, 36))
 def expanded(mutation: Mutation) -> Statement:
     """V2' with (33)-(35) put in.
 
     The turning terms e1 e2 v2 cancel.
+
+    Given: {ANY}.
     """
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
@@ -74,11 +78,13 @@ def expanded(mutation: Mutation) -> Statement:
     return t.states(analysis.position_rate(e, v, v_d, k2) == written)
 
 
-@claim("eq37", (7, 13, 37), given=ANY)
+@claim("eq37", (7, 13, 37))
 def with_targets(mutation: Mutation) -> Statement:
     """V2' = -k1 e1^2 - z1 e1 - (k3/k2) sin^2 e3 - z2 sin e3/k2 for v = v_c0 + z.
 
     The auxiliary velocity damps the error ahead and the angle; the sideways error is only coupled.
+
+    Given: {ANY}.
     """
     t = Tracking()
     e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])
@@ -86,9 +92,12 @@ def with_targets(mutation: Mutation) -> Statement:
     return t.states(t.fall == written)
 
 
-@claim("eq38", (38,), given="k1, k2, k3 > 0")
+@claim("eq38", (38,))
 def squares(mutation: Mutation) -> Statement:
-    """the same with completed squares."""
+    """the same with completed squares.
+
+    Given: k1, k2, k3 > 0.
+    """
     t = Tracking()
     z, k = t.z, t.k
     rest = analysis.square_rest(z[0] ** 2, z[1] ** 2, k)
@@ -96,11 +105,13 @@ def squares(mutation: Mutation) -> Statement:
     return t.states(t.fall == written)
 
 
-@claim("eq39", (39,), given="k1, k2, k3, eps0 > 0", by=Ring((SIGNED,)))
+@claim("eq39", (39,), by=Ring((SIGNED,)))
 def bounded(mutation: Mutation) -> Statement:
     """V2' <= the squares + eps1 for |z1|, |z2| < eps0.
 
     A small velocity error can make the position error grow only a little.
+
+    Given: k1, k2, k3, eps0 > 0.
     """
     t = Tracking("eps0")
     rest = analysis.square_rest(t.eps0**2, t.eps0**2, t.k)
@@ -111,13 +122,14 @@ def bounded(mutation: Mutation) -> Statement:
 @claim(
     "eq39.threshold",
     (39,),
-    given="|z2| <= eps0; root stands for the square root",
     by=Z3(points=(SLIGHT,)),
 )
 def beyond(mutation: Mutation) -> Statement:
     """|sin e3| > sqrt(k2 eps1/k3) + eps0/(2 k3) makes V2' < 0.
 
     If the angle is clearly wrong, the error falls.
+
+    Given: |z2| <= eps0; root stands for the square root.
     """
     t = Tracking("eps0 root")
     e, z, k, eps0, root = t.e, t.z, t.k, t.eps0, t.root
@@ -132,7 +144,6 @@ def beyond(mutation: Mutation) -> Statement:
 @claim(
     "eq39.printed",
     (39,),
-    given="|z| <= eps0, the bracket below 7/9 < pi/4, |e3| < 22/7",
     by=Refute((at(e1=0, e2=0, e3="31/10", z1=0, z2="-1/2", eps0="1/2", **PAPER),)),
 )
 def twice_threshold(_: Mutation) -> Statement:
@@ -140,6 +151,8 @@ def twice_threshold(_: Mutation) -> Statement:
 
     Near pi the sine is small again: a robot that faces backwards is not brought back by this
     argument.
+
+    Given: |z| <= eps0, the bracket below 7/9 < pi/4, |e3| < 22/7.
     """
     t = Tracking("eps0")
     x = analysis.threshold(t.eps0, t.k)
@@ -151,7 +164,6 @@ def twice_threshold(_: Mutation) -> Statement:
     "eq39.corrected",
     (39,),
     form=CORRECTED,
-    given="x >= 0; |sin e3| >= share |e3| for |e3| <= pi/2, share = 2/pi > 7/11",
     by=Z3(points=(QUARTER,)),
     premises="eq39.threshold lemma.sine",
 )
@@ -159,6 +171,8 @@ def quarter_turn(mutation: Mutation) -> Statement:
     """|e3| > 2 x and |e3| <= pi/2 make |sin e3| > x, x the bracket.
 
     Within a quarter turn the argument is right.
+
+    Given: x >= 0; |sin e3| >= share |e3| for |e3| <= pi/2, share = 2/pi > 7/11.
     """
     t = symbols("e3 share x")
     angle, share, x = t.values()

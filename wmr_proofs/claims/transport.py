@@ -57,24 +57,25 @@ class Carried:
 claim = Claims(by=Z3())
 
 
-@claim("transport.share", given="V0 >= w^2/2, D1 >= 0, any w", premises="eq81")
+@claim("transport.share", premises="eq81")
 def transport_share(mutation: Mutation) -> Statement:
     """0 <= theta <= 1 and theta^2 w^2/2 + theta D1 <= V0.
 
     How far the velocity is carried is chosen such that what V1 allows is not exceeded.
+
+    Given: V0 >= w^2/2, D1 >= 0, any w.
     """
     t = symbols("w level excess")
-    theta = level_share(t.w, t.level, t.excess)
-    spent = 0.5 * (theta * t.w) ** 2 + theta * t.excess
-    room = mutation(t.level, 0.9 * t.level)
-    given = t.level >= 0.5 * t.w**2, t.excess >= 0
+    w, level, excess = t.values()
+    theta = level_share(w, level, excess)
+    spent = 0.5 * (theta * w) ** 2 + theta * excess
+    room = mutation(level, 0.9 * level)
+    given = level >= 0.5 * w**2, excess >= 0
     return Statement(t, (between(0, theta, 1), room >= spent), given)
 
 
 @claim(
     "transport.moves",
-    given=f"{ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the "
-    "other target's v_c1",
     premises="convex smooth.convex eq81 prox.optimal",
     each=EITHER_BARRIER,
 )
@@ -84,6 +85,9 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
 
     How much V1 can change because its target moves; a target that comes nearer to the velocity
     lowers it.
+
+    Given: {ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the other
+    target's v_c1.
     """
     t = symbols("v c c_next u1 u2", "u1 u2")
     v, c, c_next, u1, u2 = t.values()
@@ -110,7 +114,6 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "transport.level",
-    given=f"{ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2",
     premises=f"transport.share transport.moves convex smooth.convex prox.optimal {COMPILED}",
     each=EITHER_BARRIER,
 )
@@ -119,6 +122,8 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     , with either barrier.
 
     Carrying the velocity along with its target raises neither V1 nor the distance.
+
+    Given: {ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2.
     """
     g = Carried(smooth)
     t = g.inputs | g.free
@@ -142,12 +147,14 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     return g.states((when(within, lost), w**2 >= left**2), given)
 
 
-@claim("transport.inside", given=ANY, premises="transport.share prox.optimal", each=EITHER_BARRIER)
+@claim("transport.inside", premises="transport.share prox.optimal", each=EITHER_BARRIER)
 def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     """|v| <= v_u1 implies |v*| <= v_u1, |v| < v_u1 implies |v*| < v_u1, and c+ = c implies v* = v
     , with either barrier.
 
     Nothing inside the limit is carried out of it; a target that is held carries nothing.
+
+    Given: {ANY}.
     """
     g = Carried(smooth)
     t = g.inputs
@@ -159,7 +166,6 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "transport.plain",
-    given="0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there",
     premises=f"{COMPILED} prox.optimal",
     each=EITHER_BARRIER,
 )
@@ -167,6 +173,8 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c, with either barrier.
 
     Away from the limits the velocity is carried all the way.
+
+    Given: 0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there.
     """
     g = Carried(smooth)
     t = g.inputs
@@ -182,17 +190,19 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
 
 @claim(
     "transport.root",
-    given="S, S+ >= 0, w^2 <= 2 V1i",
     premises="transport.moves eq81",
 )
 def root(mutation: Mutation) -> Statement:
     """S(v; c+) <= S(v; c) + |c+ - c|, S = sqrt(2 V1i).
 
     In units of velocity, V1 rises by no more than the way of its target.
+
+    Given: S, S+ >= 0, w^2 <= 2 V1i.
     """
     t = symbols("before after S S_next w step")
-    roots = equal(t.S**2, 2 * t.before), t.S_next**2 == 2 * t.after
-    moves = t.before - t.w * t.step + 0.5 * t.step**2 >= t.after
-    given = nonnegative(t.S, t.S_next), roots, 2 * t.before >= t.w**2, moves
-    most = t.S + mutation(1, 0.9) * abs(t.step)
-    return Statement(t, most >= t.S_next, given)
+    before, after, S, S_next, w, step = t.values()
+    roots = equal(S**2, 2 * before), S_next**2 == 2 * after
+    moves = before - w * step + 0.5 * step**2 >= after
+    given = nonnegative(S, S_next), roots, 2 * before >= w**2, moves
+    most = S + mutation(1, 0.9) * abs(step)
+    return Statement(t, most >= S_next, given)

@@ -137,7 +137,6 @@ claim = Claims(by=Z3())
 
 @claim(
     "world.encoder.{name}",
-    given=WHOLE,
     over=rows(axis=(0, 1), name=("v1", "omega"), error=("2 pi r/(N w)", "2 pi r/(N w l)")),
 )
 def counted_speed(mutation: Mutation, axis: int) -> Statement:
@@ -145,6 +144,8 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     below {error}.
 
     What the guard counts as window, and what an encoder adds to nbar besides it.
+
+    Given: {WHOLE}.
     """
     g = EffectGraph(encoder.ENCODER, {"encoder.counts": 64.0}, "robot clock")
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
@@ -175,7 +176,6 @@ def _shares(g: EffectGraph) -> Relations:
 
 @claim(
     "world.wheels.misread-{name}",
-    given=INSIDE,
     by=lambda axis: Both(Z3(), Ring(wheel_cases(axis, True))),
     over=rows(axis=(0, 1), name=("v1", "omega"), off=MISREAD),
 )
@@ -184,6 +184,8 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     and d the mean and half the difference of 1/(1 + radius_i).
 
     What wrong radii add to nbar of an encoder.
+
+    Given: {INSIDE}.
     """
     numbers = {"encoder.counts": 64.0, **WHEELS}
     g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
@@ -202,7 +204,6 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "world.wheels.{name}",
-    given=SIZES,
     by=lambda axis: Both(Z3(), Ring(wheel_cases(axis, False))),
     over=rows(axis=(0, 1), name=("thrust", "moment"), off=MISMADE),
 )
@@ -210,6 +211,8 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
     """torques of at most tau make a {name} that is off by at most {off}.
 
     What wrong radii, and for the moment a wrong track, add to dbar.
+
+    Given: {SIZES}.
     """
     limited = {**WHEELS, "actuator.tau_max": 5.0}
     g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
