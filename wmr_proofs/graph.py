@@ -20,8 +20,8 @@ import casadi as ca
 
 import wmr_ctrl.world.model.graph as compiled_graph
 
-from .relation import Expressions
-
+Expressions: TypeAlias = Mapping[str, ca.SX]
+"""Expressions by name."""
 Ask: TypeAlias = Callable[[Hashable], bool]
 """Decides a condition that an arithmetic cannot decide."""
 _NAMES = {

@@ -1,21 +1,116 @@
 """Statement of a claim: relations between expressions of the product's own graphs.
 
+Relations are comparisons, as ``V >= v_bar``.
+
 For statements on computed numbers, every rounding operation becomes a separate input: any number
 within the unit of rounding of the exact result of that operation on such numbers, which is the
 standard model of IEEE arithmetic without overflow and underflow.  A proof for all such numbers is
 valid for the compiled text (`assumption.libm`).
 """
 
+from __future__ import annotations
+
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from math import frexp
+from typing import TypeAlias
 
 import casadi as ca
 
-from .graph import LOGICAL, ProvedGraph, ProvedNode, graph_of
-from .relation import ABOVE, AT_LEAST, EQUAL, Expressions, Relation, Relations, listed, when
+from .graph import LOGICAL, Expressions, ProvedGraph, ProvedNode, graph_of
+
+EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
+Number: TypeAlias = ca.SX | float
+Cuts = dict[str, ca.SX]
+"""Expressions by name, to be added to: those that become free inputs of a statement."""
+
+
+@dataclass(frozen=True)
+class Relation:
+    """``expr`` compared with 0: ``=``, ``>=`` or ``>``."""
+
+    expr: ca.SX
+    kind: str
+
+
+Relations: TypeAlias = "Relation | ca.SX | Sequence[Relations]"
+"""One relation or comparison, or groups of them within groups, in their order."""
+KINDS = {ca.OP_LE: AT_LEAST, ca.OP_LT: ABOVE, ca.OP_EQ: EQUAL}
+
+
+def listed(relations: Relations) -> tuple[Relation, ...]:
+    """Relations of all groups, in one list."""
+    if isinstance(relations, Relation):
+        return (relations,)
+    if isinstance(relations, ca.SX):
+        return (compared(relations),)
+    return tuple(item for part in relations for item in listed(part))
+
+
+def compared(truth: ca.SX) -> Relation:
+    """What a comparison states; one that CasADi has decided is 0 = 0 or 1 = 0.
+
+    ValueError for another expression.
+    """
+    if truth.is_constant():
+        return equal(1, truth)
+    for operation, kind in KINDS.items():
+        if truth.is_scalar() and truth.is_op(operation):
+            left, right = truth.dep(0), truth.dep(1)
+            return Relation(left - right if kind == EQUAL else right - left, kind)
+    raise ValueError(f"no comparison of expressions: {truth}")
+
+
+def equal(left: Number, right: Number = 0) -> Relation:
+    """left = right."""
+    return Relation(ca.SX(left) - right, EQUAL)
+
+
+def at_least(left: Number, right: Number = 0) -> Relation:
+    """left >= right."""
+    return Relation(ca.SX(left) - right, AT_LEAST)
+
+
+def above(left: Number, right: Number = 0) -> Relation:
+    """left > right."""
+    return Relation(ca.SX(left) - right, ABOVE)
+
+
+def positive(*exprs: Number) -> tuple[Relation, ...]:
+    """Each of them > 0."""
+    return tuple(map(above, exprs))
+
+
+def nonnegative(*exprs: Number) -> tuple[Relation, ...]:
+    """Each of them >= 0."""
+    return tuple(map(at_least, exprs))
+
+
+def between(low: Number, value: Number, high: Number) -> tuple[Relation, Relation]:
+    """low <= value <= high."""
+    return at_least(value, low), at_least(high, value)
+
+
+def within(value: ca.SX, bound: Number) -> tuple[Relation, ...]:
+    """|value| <= bound, for each element of a column."""
+    most = ca.SX(bound) * ca.SX.ones(value.shape)
+    pairs = zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)
+    return tuple(side for x, end in pairs for side in (at_least(end, x), at_least(x, -end)))
+
+
+def when(condition: ca.SX, relations: Relations) -> tuple[Relation, ...]:
+    """``condition`` implies the relations, which must be true for the expression 0."""
+    found = listed(relations)
+    return tuple(Relation(ca.if_else(condition, item.expr, 0), item.kind) for item in found)
+
+
+def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:
+    """Element-wise equality of two columns."""
+    both = ca.vec(left - right)
+    return tuple(equal(both[i]) for i in range(both.numel()))
+
 
 UNIT = 2.0**-53
 """Largest relative error of one operation in double precision."""
@@ -109,7 +204,7 @@ class Statement:
     numbers: Mapping[str, float] = field(default_factory=dict)
     computed: Expressions = field(default_factory=dict)
     unit: float = UNIT
-    parts: Mapping[str, "Statement"] = field(default_factory=dict)
+    parts: Mapping[str, Statement] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("goals", "given"):
@@ -199,3 +294,79 @@ def valued(relations: Relations, names: Expressions, values: Expressions) -> tup
     old, stated = [names[name] for name in values], listed(relations)
     put = ca.substitute([item.expr for item in stated], old, [*values.values()])
     return tuple(Relation(e, item.kind) for e, item in zip(put, stated, strict=True))
+
+
+class Symbols(dict[str, ca.SX]):
+    """Scalar symbols by name, ``t["x"]`` or ``t.x``."""
+
+    def __getattr__(self, name: str) -> ca.SX:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __or__(self, more: Expressions) -> Symbols:  # type: ignore[override]
+        return Symbols({**self, **more})
+
+    def __ror__(self, more: Expressions) -> Symbols:  # type: ignore[override]
+        return Symbols({**more, **self})
+
+
+class Named(Expressions):
+    """Base of a setting that is the table of its ``symbols``, which are attributes, too.
+
+    ``always`` are goals of each of its statements.
+    """
+
+    symbols: Symbols
+    always: Relations = ()
+
+    def __getitem__(self, name: str) -> ca.SX:
+        return self.symbols[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.symbols)
+
+    def __len__(self) -> int:
+        return len(self.symbols)
+
+    def __or__(self, more: Expressions) -> Symbols:
+        return self.symbols | more
+
+    def __getattr__(self, name: str) -> ca.SX:
+        if name == "symbols":
+            raise AttributeError(name)
+        return getattr(self.symbols, name)
+
+    def states(
+        self,
+        *goals: Relations,
+        given: Relations = (),
+        cuts: Expressions | None = None,
+        more: Expressions | None = None,
+    ) -> Statement:
+        """The statement about these symbols, and ``more``."""
+        return Statement(self.symbols | (more or {}), (goals, self.always), given, cuts or {})
+
+
+def symbols(names: str, fixed: str = "") -> Symbols:
+    """Fresh scalar symbols by name; those in ``fixed`` are parameters for the compiler."""
+    known = set(fixed.split())
+    return Symbols({n: ca.SX.sym(f"p.{n}" if n in known else n) for n in names.split()})
+
+
+def column(name: str, size: int, fixed: bool = False) -> Symbols:
+    """Fresh scalar symbols name1 to name<size>; ``fixed`` makes them parameters."""
+    names = " ".join(f"{name}{i}" for i in range(1, size + 1))
+    return symbols(names, names if fixed else "")
+
+
+def exchanged(expr: ca.SX, old: Expressions, new: Expressions) -> ca.SX:
+    """The expression with the symbols ``old`` replaced by those of equal name in ``new``."""
+    both = [(old[name], new[name]) for name in old if name in new]
+    return ca.substitute(expr, *(ca.vertcat(*side) for side in zip(*both, strict=True)))
+
+
+def stacked(table: Expressions, name: str, size: int) -> ca.SX:
+    """Column of name1 to name<size> out of a table."""
+    return ca.vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))

@@ -11,7 +11,7 @@ import z3
 
 from wmr_proofs.graph import ProvedGraph, UndecidedError, Walk, paths
 from wmr_proofs.methods.smt import OUTSIDE, TermArithmetic, relation
-from wmr_proofs.relation import EQUAL
+from wmr_proofs.statement import EQUAL
 
 MOST = 256
 """Cases of one statement; with more UndecidedError is raised."""

@@ -14,9 +14,7 @@ from wmr_proofs.claims import all_claims
 from wmr_proofs.entry import check
 from wmr_proofs.methods.spec import Z3, Ball, Ring
 from wmr_proofs.regions import POSITIVE, Case
-from wmr_proofs.relation import above, at_least, equal
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, above, at_least, equal, symbols
 
 pytest.importorskip("z3")
 

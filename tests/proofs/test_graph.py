@@ -11,8 +11,7 @@ from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.control.laws import LAWS
 from wmr_proofs.claims.common import LawGraph, scalars
 from wmr_proofs.graph import _NAMES, graph_of, is_parameter
-from wmr_proofs.relation import above, at_least, equal, listed
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import above, at_least, equal, listed, symbols
 
 
 def operations(graph):

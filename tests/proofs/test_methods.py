@@ -8,9 +8,7 @@ import pytest
 from wmr_ctrl.results.ledger import OPEN, load
 from wmr_proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
 from wmr_proofs.regions import POSITIVE, Case, at
-from wmr_proofs.relation import above, at_least, equal
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, above, at_least, equal, symbols
 
 
 def about(names, build):

@@ -13,10 +13,8 @@ from wmr_proofs.claims import all_claims
 from wmr_proofs.entry import check, graph_hash
 from wmr_proofs.methods.spec import Z3, Ball, Ring
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import above, at_least
 from wmr_proofs.runner import provenance
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, above, at_least, symbols
 
 CLAIMED = {claim.id: claim for claim in all_claims()}
 

@@ -12,9 +12,7 @@ from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.world.scenario import load_scenario, preset_names
 from wmr_proofs.claims.filter_command_rounding import RIM, Limited
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import above, at_least, equal
-from wmr_proofs.statement import UNIT, Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import UNIT, Statement, above, at_least, equal, symbols
 
 
 def verdict(expr, goal, table, given=()):

@@ -7,9 +7,7 @@ import pytest
 
 from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, Case, at
-from wmr_proofs.relation import above, at_least, equal
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, above, at_least, equal, symbols
 
 UNIT = {name: (Fraction(0), Fraction(1)) for name in ("x", "y")}
 NOT_NEGATIVE = Ring((Case("x, y >= 0", declared={"x": NONNEGATIVE, "y": NONNEGATIVE}),))

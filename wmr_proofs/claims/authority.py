@@ -11,9 +11,7 @@ from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Ball, Point, Ring, Table
 from wmr_proofs.paper_functions import authority_limit
 from wmr_proofs.regions import at, axis_case, off_target_cases, open_cases
-from wmr_proofs.relation import equal
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, equal, symbols
 
 from . import authority_table as table
 from .common import OFF_EDGES, BarrierAxis, barrier_axis

@@ -7,8 +7,7 @@ from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Both, Refute, Ring
 from wmr_proofs.paper_functions import total_barrier
 from wmr_proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
-from wmr_proofs.relation import above, equal
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import Statement, above, equal
 
 from .common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
 

@@ -10,9 +10,7 @@ from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, drive_back, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, between, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, symbols
+from wmr_proofs.statement import Named, Relations, Statement, between, positive, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"

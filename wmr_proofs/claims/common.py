@@ -14,8 +14,7 @@ from wmr_ctrl.world.model.system import Port, System
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import rows
-from wmr_proofs.relation import Cuts, Relations
-from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
+from wmr_proofs.statement import Cuts, Named, Relations, Symbols, exchanged, symbols
 
 PRESET = "paper-simulation"
 VELOCITY_NAMES = ("v1", "omega")

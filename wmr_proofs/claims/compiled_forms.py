@@ -16,9 +16,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Ring
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
 from wmr_proofs.regions import POSITIVE, Case
-from wmr_proofs.relation import equal
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, equal, symbols
 
 from .common import (
     ALL_LIMITS,

@@ -20,15 +20,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.paper_functions import target_rate
 from wmr_proofs.regions import POSITIVE, Case, target_cases
-from wmr_proofs.relation import (
-    Relations,
-    between,
-    every,
-    when,
-    within,
-)
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Relations, Statement, between, every, symbols, when, within
 
 from .common import OFF_EDGES, LawGraph, barrier_axis
 from .guard_axis import DELAYED, GuardAxis

@@ -17,16 +17,16 @@ from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loops,
 from wmr_ctrl.world.pose_sensor import reckoned
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
     Relations,
+    Statement,
     between,
     every,
     nonnegative,
     positive,
+    symbols,
     when,
 )
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
 
 from .drive_bounds import Jittering
 from .guard_axis import NUMBERS

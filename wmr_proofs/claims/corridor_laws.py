@@ -13,9 +13,7 @@ from wmr_ctrl.control.laws.velocity_loop import cut
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import every, nonnegative, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, every, nonnegative, positive, symbols
 
 from .common import EITHER_BARRIER
 from .guard_axis import NUMBERS

@@ -8,9 +8,17 @@ from wmr_ctrl.world import delay, jitter, lag, motor
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import at_least, between, every, nonnegative, positive, when, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import (
+    Statement,
+    at_least,
+    between,
+    every,
+    nonnegative,
+    positive,
+    symbols,
+    when,
+    within,
+)
 
 from .wheels_and_encoders import EffectGraph
 

@@ -24,9 +24,18 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.regions import at
-from wmr_proofs.relation import Cuts, Relations, between, equal, every, nonnegative, within
-from wmr_proofs.statement import UNIT, Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import (
+    UNIT,
+    Cuts,
+    Relations,
+    Statement,
+    between,
+    equal,
+    every,
+    nonnegative,
+    symbols,
+    within,
+)
 
 from .wheels_and_encoders import EffectGraph
 

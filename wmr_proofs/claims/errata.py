@@ -7,9 +7,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute
 from wmr_proofs.regions import at
-from wmr_proofs.relation import nonnegative, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import column, stacked, symbols
+from wmr_proofs.statement import Statement, column, nonnegative, positive, stacked, symbols
 
 from .common import barrier_axis
 from .tracking import PAPER, Tracking

@@ -14,16 +14,18 @@ from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
     Cuts,
+    Named,
     Relations,
+    Statement,
     between,
+    instance,
     nonnegative,
     positive,
+    symbols,
     when,
 )
-from wmr_proofs.statement import Statement, instance
-from wmr_proofs.symbols import Named, symbols
 
 from .command_filter import ANY_SIDE, COMMANDS, admits, highest
 from .common import elements_of, ports_of

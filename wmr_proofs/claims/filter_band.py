@@ -17,9 +17,7 @@ from wmr_ctrl.control.filter.forecast import (
 )
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, between
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, stacked, symbols
+from wmr_proofs.statement import Named, Relations, Statement, between, stacked, symbols
 
 TABLES = "0 <= low <= high on every piece, left, fading in [0, 1], tail >= 0, c > 0"
 AFTER = (

@@ -8,9 +8,7 @@ import casadi as ca
 from wmr_ctrl.control.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, between, listed, nonnegative, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Relations, Statement, between, listed, nonnegative, symbols, within
 
 from .filter_band import TABLES, WAYS, BandAxis, BandStep, bound_of
 

@@ -7,9 +7,16 @@ from wmr_ctrl.control.filter.forecast import PAST, Fading, spread_of, stays_of
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Relations, between, nonnegative, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
+from wmr_proofs.statement import (
+    Cuts,
+    Relations,
+    Statement,
+    Symbols,
+    between,
+    nonnegative,
+    symbols,
+    within,
+)
 
 from .command_filter import COMMANDS
 from .common import BOTH_AXES, elements_of

@@ -21,16 +21,18 @@ from wmr_ctrl.control.filter.clip import moved, ramp_shares
 from wmr_ctrl.control.filter.governor import FirstOrder, largest_command
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
     Cuts,
+    Named,
     Relations,
+    Statement,
+    Symbols,
     between,
     nonnegative,
     positive,
+    symbols,
     within,
 )
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, Symbols, symbols
 
 BEYOND = 2.0**-50
 """Share of its limit by which roundings may carry v or omega beyond it."""

@@ -15,16 +15,19 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.speed_loops import SPEED_LOOP
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
+    Named,
     Relations,
+    Statement,
+    Symbols,
     between,
+    exchanged,
     nonnegative,
     positive,
+    symbols,
     when,
     within,
 )
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, Symbols, exchanged, symbols
 from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
 
 from .common import BOTH_AXES, PRESET, ports_of, scalars

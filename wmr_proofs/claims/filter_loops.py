@@ -10,9 +10,7 @@ from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, nonnegative, positive, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Relations, Statement, nonnegative, positive, symbols, within
 
 from .command_filter import COMMANDS
 from .common import elements_of, ports_of

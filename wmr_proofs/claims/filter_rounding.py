@@ -16,17 +16,19 @@ from wmr_ctrl.control.filter.ramp_stop import stopping_speed
 from wmr_ctrl.control.filter.ways import Reached, Stop, farthest
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
+    UNIT,
     Number,
     Relations,
+    Statement,
+    Symbols,
     between,
     nonnegative,
     positive,
+    symbols,
     when,
     within,
 )
-from wmr_proofs.statement import UNIT, Statement
-from wmr_proofs.symbols import Symbols, symbols
 
 from .command_filter import INTERVALS, NUMBERS, sound
 

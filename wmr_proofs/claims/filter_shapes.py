@@ -16,17 +16,18 @@ from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
     Cuts,
     Relations,
+    Statement,
+    Symbols,
     between,
     nonnegative,
     positive,
+    symbols,
     when,
     within,
 )
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
 
 from .command_filter import COMMANDS, INTERVALS, sound
 from .common import elements_of, ports_of

@@ -13,9 +13,16 @@ from wmr_ctrl.control.guard.changing import largest_fall
 from wmr_ctrl.control.guard.guard import Bounds
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, between, nonnegative, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, Symbols, symbols
+from wmr_proofs.statement import (
+    Named,
+    Relations,
+    Statement,
+    Symbols,
+    between,
+    nonnegative,
+    positive,
+    symbols,
+)
 
 from .command_filter import ANY_SIDE, NUMBERS, admits
 

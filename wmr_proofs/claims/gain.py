@@ -22,9 +22,7 @@ from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Point, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Cuts, Relations, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Cuts, Relations, Statement, positive, symbols
 
 from .authority_table import AXES, Numbers
 from .common import (

@@ -15,9 +15,7 @@ from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Relations, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, exchanged
+from wmr_proofs.statement import Cuts, Relations, Statement, Symbols, exchanged, within
 
 from .common import elements_of, named_ports, ports_of
 from .filter_assembled import STATED as OF_GOVERNOR

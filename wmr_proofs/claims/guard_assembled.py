@@ -9,14 +9,15 @@ from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, plant, rk4_step,
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
+    Named,
     Relations,
+    Statement,
     between,
     nonnegative,
     positive,
+    symbols,
 )
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, symbols
 
 from .common import PRESET, ports_of, scalars
 from .guard_axis import EACH, LATE, NUMBERS, GuardAxis

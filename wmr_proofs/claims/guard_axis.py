@@ -11,15 +11,16 @@ import casadi as ca
 
 from wmr_ctrl.control.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor, room
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
     Cuts,
+    Named,
     Number,
     Relations,
     between,
     nonnegative,
     positive,
+    symbols,
 )
-from wmr_proofs.symbols import Named, symbols
 
 AT_ONCE, DELAYED, LATE, LAGGING = range(4)
 NUMBERS = "u1 period M_min M_max dbar nbar alpha brake f_min f_speed"

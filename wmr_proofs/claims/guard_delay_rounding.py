@@ -14,8 +14,7 @@ from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import floor
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Relations, between, nonnegative, positive
-from wmr_proofs.statement import UNIT, Statement
+from wmr_proofs.statement import UNIT, Cuts, Relations, Statement, between, nonnegative, positive
 
 from . import guard_delay_sums as sums
 from .common import WAYS

@@ -11,9 +11,17 @@ from wmr_ctrl.control.guard.guard import Bounds
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, between, nonnegative, positive
-from wmr_proofs.statement import UNIT, Statement
-from wmr_proofs.symbols import Named, column, symbols
+from wmr_proofs.statement import (
+    UNIT,
+    Named,
+    Relations,
+    Statement,
+    between,
+    column,
+    nonnegative,
+    positive,
+    symbols,
+)
 
 from .common import BOTH_AXES, WAYS
 

@@ -1,41 +1,36 @@
-"""The guard as it is exported: the parts of its graphs, and proof that the flag is enough."""
+"""The exported guard consists of its parts, and the flag is enough: nothing else is asked of it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property
-from itertools import accumulate
 
 import casadi as ca
 
-from wmr_ctrl.control.controller import guard
-from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
-from wmr_ctrl.control.guard.guard import MAPS, Bounds, ceiling, clipped, feasible
-from wmr_ctrl.control.guard.monitor import least_push
-from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
-from wmr_ctrl.world.model.system import System
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.control.controller import asking_controller, guard
+from wmr_ctrl.control.guard.delay import largest_force
+from wmr_ctrl.control.guard.guard import MAPS, ceiling, clipped, feasible
+from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
-    Cuts,
+from wmr_proofs.statement import (
     Relations,
+    Statement,
+    Symbols,
     every,
+    instance,
     positive,
+    symbols,
+    valued,
     when,
     within,
 )
-from wmr_proofs.statement import Statement, instance, valued
-from wmr_proofs.symbols import Named, symbols
 
-from .common import PRESET, named_ports, ports_of, scalars
+from .exported import PERIOD, Assembled, exported, setup
 from .guard_axis import DELAYED, NUMBERS, GuardAxis
 from .guard_sample import anchor, largest
 from .guard_sample import feasible as not_empty
 from .guard_sample import inside as stays_inside
 from .guard_sent import added, caps, room
 
-PERIOD = 0.01
 INSIDE = "|v| <= u1"
 UNDER_WAY = (
     "v+ and -v+, where the new command takes over, are at most u1 and what the guard counts, v + "
@@ -43,109 +38,6 @@ UNDER_WAY = (
     "(guard.assembled.carried, guard.delay.lemma)"
 )
 claim = Claims(by=Z3())
-
-
-def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
-    """A loop with this map onto the wheels, behind a delay of so many periods."""
-    stated: dict[str, object] = {
-        "guard.enabled": guarded, "guard.map": kind, "clock.control": PERIOD,
-        "actuator.delay": PERIOD * delay, **more,
-    }  # fmt: skip
-    return settle(load_scenario(PRESET, stated), "pid")
-
-
-class Assembled(Named):
-    """A graph that is exported, and the numbers of its two axes as the claims' axes have them.
-
-    ``p``: inputs, state and parameters by name; ``told``: published values besides the torques;
-    ``asked``: the force that is asked for; ``wheels``: radius and half track; ``phi``: the wheels'
-    reach; ``sent``: torques that are remembered, the last one first.
-    """
-
-    def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
-        self.setup, self.system = loop, assemble(loop)
-        ports = ports_of(self.system)
-        self.symbols = scalars(ports)
-        self.p = p = named_ports(*ports)
-        self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
-        self.torque = ca.vertcat(*(output.expr for output in self.system.outputs))
-        self.asked = p["force"] if "force" in p else self.told["force"]
-        self.wheels = p["robot.r"], p["robot.l"]
-        self.phi = 2 * p["actuator.tau_max"] / self.wheels[0]
-        kept = [name for name in p if name.startswith("tau_sent")]
-        self.sent = [p[f"tau_sent{age}"] for age in range(1, len(kept) + 1)]
-
-    @cached_property
-    def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
-        """Measured velocity, bounds and commands under way of each axis.
-
-        u1 is v_u1 less (1 + n) 2^-44 of it.
-        """
-        names = ("M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
-        p, T, found, delay = self.p, self.p["clock.control"], [], len(self.sent)
-        late = {"delay": T * delay} if delay else {}
-        before = [(wheel_to_force(*self.wheels, tau), 1) for tau in self.sent]
-        for axis, y in enumerate((p["v1"], p["omega"])):
-            u1 = p["limits.v_u1"][axis] * (1 - (1 + delay) * 2.0**-44)
-            numbers = {name: p[f"guard.{name}"][axis] for name in names}
-            b = Bounds(u1=u1, period=T, alpha=p["guard.alpha"], **numbers, **late)
-            found.append((y, b, in_flight(before, axis, b) if before else None))
-        return tuple(found)
-
-    @cached_property
-    def later(self) -> Cuts:
-        """The state one sample later, by name."""
-        ends = accumulate((port.sym.numel() for port in self.system.state), initial=0)
-        names = [port.signal.name for port in self.system.state]
-        return dict(zip(names, ca.vertsplit(self.system.update, [*ends]), strict=True))
-
-    def consists(self, torque: ca.SX) -> Statement:
-        """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
-        return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
-
-    def _parts(self, torque: ca.SX) -> Iterator[Relations]:
-        bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
-        flags = [feasible(b) for b in bounds]
-        flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
-        flags += self.slow_drives()
-        yield from (flag >= self.told["feasible"] for flag in flags)
-        yield from every(self.torque, torque)
-        for age, now in enumerate((self.torque, *self.sent[:-1])[: len(self.sent)], 1):
-            yield from every(self.later[f"tau_sent{age}"], now)
-        yield from self.kept()
-        yield from every(self.later["guard_v"], ca.vertcat(*(y for y, _, _ in self.axes)))
-        for axis, known in enumerate(self.least_pushes()):
-            yield self.told["d_least"][axis] == known
-
-    def slow_drives(self) -> list[ca.SX]:
-        """Conditions for the drives to be no slower than assumed."""
-        if not self.sent:
-            return []
-        return [self.p["actuator.delay"] <= len(self.sent) * self.p["clock.control"]]
-
-    def kept(self) -> Iterator[Relations]:
-        """Memory beside the commands under way."""
-        yield from every(self.later["tau_applied"], (self.torque, *self.sent)[-1])
-
-    def least_pushes(self) -> Iterator[ca.SX]:
-        """The monitor's figure of each axis."""
-        acted = wheel_to_force(*self.wheels, self.p["tau_applied"])
-        for axis, (y, b, _) in enumerate(self.axes):
-            least = least_push(y, self.p["guard_v"][axis], acted[axis], b)
-            yield ca.if_else(self.p["guard_started"] > 0, least, 0)
-
-    @property
-    def signs(self) -> Relations:
-        """Signs of the divisors: all positive."""
-        bounds = [b for _, b, _ in self.axes]
-        masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
-        return positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
-
-    @property
-    def cuts(self) -> Cuts:
-        """Symbols that stand for the law's force, which may be any."""
-        asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
-        return {name: self.asked[axis] for name, axis in asked.items()}
 
 
 _DELAYS = {
@@ -176,16 +68,6 @@ def assembled(mutation: Mutation, kind: str, delay: int) -> Statement:
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for.
     """
     return exported(mutation, kind, Assembled(guard, setup(kind, delay)))
-
-
-def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
-    """It consists of the torques of its map on both axes' clips and safe points."""
-    r, half = e.wheels
-    force, safe = (
-        ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
-        for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
-    )
-    return e.consists(mutation * force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe)))
 
 
 def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
@@ -337,3 +219,116 @@ def carried(mutation: Mutation, kind: str) -> Statement:
         wish = {"wish": e.asked[axis], "safe": ca.SX(0)}
         cuts |= {f"{key} {name}": clipped(part, y, b, coming) for key, part in wish.items()}
     return Statement(e | free, goals, given, cuts)
+
+
+STEADY = {
+    "sensor.velocity_window": PERIOD, "actuator.delay": 0.5 * PERIOD, "actuator.lag": 0.4 * PERIOD,
+}  # fmt: skip
+VARYING = STEADY | {"actuator.lag_spread": 0.25}
+JITTER = {"actuator.jitter": 0.5 * PERIOD}
+
+WAYS_TO_BE_LATE = {
+    "steady": STEADY, "jitter": STEADY | JITTER,
+    "varying-steady": VARYING, "varying": VARYING | JITTER,
+}  # fmt: skip
+EXPORTED_LATE = {
+    f"{kind}-{late}": {"kind": kind, "stated": stated}
+    for kind in MAPS
+    for late, stated in WAYS_TO_BE_LATE.items()
+}
+
+
+@claim(
+    "guard.assembled.late",
+    premises="guard.axes wheels.linear-first wheels.rotation-first",
+    each=EXPORTED_LATE,
+)
+def late(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Statement:
+    """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
+    axes' clips and safe points, each axis with its own bounds and what is counted of the commands
+    under way: piece after piece, what either of two commands may do, and what is kept of older
+    ones, which is updated so; feasible = 1 only where both axes' flags are, their brakes together
+    are within reach and the drives are no later, slower, sooner or more varied than is counted;
+    each d_least is that of the monitor for late motion; without jitter and with one of half a
+    period, the lag constant and varying by a quarter.
+
+    The exported guard is composed of the parts that the entries about late velocities, jitter and
+    lags are about.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that is
+    asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it.
+    """
+    return exported(mutation, kind, Assembled(guard, setup(kind, 0, True, **stated)))
+
+
+LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
+
+
+@claim(
+    "guard.assembled.alone",
+
+    premises="guard.axes wheels.linear-first",
+    each={
+        "lag": {"stated": LAG}, "varying-lag": {"stated": LAG | {"actuator.lag_spread": 0.25}},
+        "delay": {"stated": PART}, "jitter": {"stated": JITTER},
+        "window": {"stated": {"sensor.velocity_window": PERIOD}},
+    },
+)  # fmt: skip
+def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
+    """nothing is late but one of: a lag of 0.4 of a period; one that varies by a quarter; a delay
+    of half a period; a jitter of that; velocities, which are means over a period. The torques of
+    the whole guard are those of linear-first on both axes' clips and safe points, with what is
+    counted of the commands under way and, behind a lag, of older ones, the new one joining them as
+    the wheels were given it; feasible = 1 only where both axes' flags are, their brakes together
+    are within reach and the drives are no later, slower or more varied than is counted; each
+    d_least is the monitor's, behind a constant lag or delay for the torque that is remembered as
+    applied, else for late motion.
+
+    Each way to be late, by itself, is counted as it is together with the others.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where there
+    is one; any force that is asked for.
+    """
+    return exported(
+        mutation, "linear-first", Assembled(guard, setup("linear-first", 0, True, **stated))
+    )
+
+
+@claim(
+    "guard.assembled.controller{late}",
+
+    over=(
+        {"late": "", "more": "", "each": EXPORTED,
+         "which": "without delay and behind one of two periods"},
+        {"late": "-late", "more": ", lag, 1 - spread > 0, 0 < exp(-h/lag) < 1",
+         "each": EXPORTED_LATE,
+         "which": "late in the ways of guard.assembled.late"},
+    ),
+)  # fmt: skip
+def controller(
+    mutation: Mutation, kind: str, delay: int = 0, stated: Mapping[str, float] | None = None
+) -> Statement:
+    """torques, flag, d_least and the guard's memory one sample later are, in the whole controller,
+    those of the whole guard on the force that the law asks for: with either map, {which}.
+
+    What is proved of the exported guard holds for it inside of the controller.
+
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets and
+    state.
+    """
+    loop = setup(kind, delay, True, **(stated or {}))
+    whole, alone = (Assembled(make, loop) for make in (asking_controller, guard))
+    put = [whole.asked if name == "force" else whole.p[name] for name in alone.p]
+    told = "feasible", "d_least"
+    theirs, ours = (
+        ca.vertcat(
+            *(e.later[name] for name in alone.later), *(e.told[name] for name in told), e.torque
+        )
+        for e in (whole, alone)
+    )
+    ours = ca.substitute(ours, ca.vertcat(*alone.p.values()), ca.vertcat(*put))
+    free = symbols("e") if stated else Symbols()
+    share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
+    below = (item for e in free.values() for item in (e > 0, e < 1))
+    given, cuts = (whole.signs, *below), {**whole.cuts, **share}
+    return Statement(whole | free, every(mutation * theirs, ours), given, cuts)

@@ -14,20 +14,22 @@ from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
     Cuts,
     Relations,
+    Statement,
+    Symbols,
     every,
     nonnegative,
     positive,
+    symbols,
+    valued,
     within,
 )
-from wmr_proofs.statement import Statement, valued
-from wmr_proofs.symbols import Symbols, symbols
 
 from .common import ports_of, scalars
+from .exported import PERIOD, Assembled, setup
 from .guard_delay_rounding import QueuedAxis
-from .guard_exported import PERIOD, Assembled, setup
 from .guard_rounding import DOUBLE
 
 NEAR = 2.0**-50

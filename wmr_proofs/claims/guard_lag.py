@@ -11,9 +11,7 @@ import casadi as ca
 from wmr_ctrl.control.guard.delay import integral, moved, push, waiting
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, between, nonnegative, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Relations, Statement, between, nonnegative, positive, symbols
 
 from .guard_axis import LAGGING, GuardAxis
 from .guard_sample import SIGNS, left, on

@@ -12,9 +12,7 @@ from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import ceiling, clipped, floor
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import equal, nonnegative, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, equal, nonnegative, positive, symbols
 
 from .guard_axis import AT_ONCE, DELAYED, EACH, LATE, GuardAxis
 from .guard_sample import FREE, NUMBERS_FREE, inside

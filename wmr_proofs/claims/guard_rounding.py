@@ -17,9 +17,16 @@ from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Number, Relations, positive
-from wmr_proofs.statement import UNIT, Statement
-from wmr_proofs.symbols import Symbols, symbols
+from wmr_proofs.statement import (
+    UNIT,
+    Cuts,
+    Number,
+    Relations,
+    Statement,
+    Symbols,
+    positive,
+    symbols,
+)
 
 from .common import WAYS
 from .guard_axis import GuardAxis

@@ -12,8 +12,7 @@ import casadi as ca
 
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import Relations, Statement
 
 from .guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
 

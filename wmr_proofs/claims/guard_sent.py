@@ -11,9 +11,17 @@ from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, at_least, between, nonnegative, positive, when
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import column, symbols
+from wmr_proofs.statement import (
+    Relations,
+    Statement,
+    at_least,
+    between,
+    column,
+    nonnegative,
+    positive,
+    symbols,
+    when,
+)
 
 from .guard_axis import DELAYED, LATE, GuardAxis
 from .guard_sample import CAPS, SIGNS, on

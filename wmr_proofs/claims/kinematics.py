@@ -12,9 +12,7 @@ from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Ring
 from wmr_proofs.paper_functions import constraint, velocity_map
 from wmr_proofs.regions import POSITIVE, Case
-from wmr_proofs.relation import every
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import column, stacked, symbols
+from wmr_proofs.statement import Statement, column, every, stacked, symbols
 
 from .common import PRESET, ports_of, scalars
 

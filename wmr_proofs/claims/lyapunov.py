@@ -9,8 +9,7 @@ from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Refute, Ring
 from wmr_proofs.paper_functions import target_rate, total_barrier
 from wmr_proofs.regions import at
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, symbols
 
 from .common import (
     CLOSED_FORM,

@@ -7,9 +7,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
-from wmr_proofs.relation import equal, every
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import column, stacked, symbols
+from wmr_proofs.statement import Statement, column, equal, every, stacked, symbols
 
 from .common import barrier_axis, named_axes
 from .network_axis import (

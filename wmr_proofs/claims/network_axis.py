@@ -10,8 +10,7 @@ from wmr_ctrl.control.laws import nn
 from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import paper_functions as analysis
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, column, stacked, symbols
+from wmr_proofs.statement import Named, Statement, column, stacked, symbols
 
 from .common import LawGraph
 

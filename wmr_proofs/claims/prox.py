@@ -12,15 +12,16 @@ from wmr_ctrl.control.barrier.proximal import LARGEST, resolvent, root, transpor
 from wmr_ctrl.control.laws.prox import mixture, prox_step
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import (
+from wmr_proofs.statement import (
     AT_LEAST,
     Relation,
     Relations,
+    Statement,
+    Symbols,
     nonnegative,
+    symbols,
     when,
 )
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
 
 from .common import EITHER_BARRIER
 

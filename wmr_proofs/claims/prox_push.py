@@ -11,9 +11,18 @@ from wmr_ctrl.control.laws.prox import next_velocity, prox_step
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Cuts, Relations, equal, every, positive, when, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, symbols
+from wmr_proofs.statement import (
+    Cuts,
+    Named,
+    Relations,
+    Statement,
+    equal,
+    every,
+    positive,
+    symbols,
+    when,
+    within,
+)
 
 from .common import BOTH_AXES, VELOCITY_NAMES, LawGraph
 

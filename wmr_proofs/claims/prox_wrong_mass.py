@@ -9,9 +9,7 @@ import casadi as ca
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Both, Ring
 from wmr_proofs.regions import FREE, POSITIVE, Case
-from wmr_proofs.relation import positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, positive, symbols
 
 from .common import BOTH_AXES, VELOCITY_NAMES, named_axes
 from .prox_push import Sampled

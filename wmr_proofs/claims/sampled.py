@@ -21,9 +21,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
-from wmr_proofs.relation import Cuts, Relations, between, positive, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Cuts, Relations, Statement, between, positive, symbols, within
 
 from .common import BOTH_AXES, NO_SERIES, VELOCITY_NAMES, LawGraph
 

@@ -10,9 +10,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
-from wmr_proofs.relation import Relations, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Relations, Statement, positive, symbols
 
 from .common import barrier_axis
 from .tracking import Tracking

@@ -6,9 +6,7 @@ from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.regions import all_cases, target_cases
-from wmr_proofs.relation import between, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import symbols
+from wmr_proofs.statement import Statement, between, positive, symbols
 
 from .common import (
     ALL_LIMITS,

@@ -6,9 +6,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import at
-from wmr_proofs.relation import positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
+from wmr_proofs.statement import Statement, Symbols, positive, symbols
 
 from .tracking import GAINS, Tracking
 

@@ -6,9 +6,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import POSITIVE, Case, at
-from wmr_proofs.relation import Relations, between, equal, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
+from wmr_proofs.statement import Relations, Statement, Symbols, between, equal, positive, symbols
 
 from .theorem1 import conditions
 from .tracking import Tracking

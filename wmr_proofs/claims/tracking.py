@@ -7,9 +7,7 @@ from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.regions import FREE, POSITIVE, Case, at
-from wmr_proofs.relation import positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, column, stacked, symbols
+from wmr_proofs.statement import Named, Statement, column, positive, stacked, symbols
 
 
 class Tracking(Named):

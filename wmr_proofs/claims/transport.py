@@ -12,9 +12,16 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.paper_barrier import f, lyapunov, minimiser
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
-from wmr_proofs.relation import Relations, between, equal, nonnegative, when
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
+from wmr_proofs.statement import (
+    Relations,
+    Statement,
+    Symbols,
+    between,
+    equal,
+    nonnegative,
+    symbols,
+    when,
+)
 
 from .common import EITHER_BARRIER
 

@@ -14,9 +14,16 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Both, Ring
 from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.relation import Relations, at_least, positive, within
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Named, exchanged, symbols
+from wmr_proofs.statement import (
+    Named,
+    Relations,
+    Statement,
+    at_least,
+    exchanged,
+    positive,
+    symbols,
+    within,
+)
 from wmr_proofs.traced import Tracing, expression, functions_for_traced, traced
 
 from .common import ports_of, scalars

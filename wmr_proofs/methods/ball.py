@@ -12,8 +12,7 @@ from flint import arb
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import Arithmetic, Ask, UndecidedError, Walk, paths
-from wmr_proofs.relation import ABOVE, EQUAL
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import ABOVE, EQUAL, Statement
 
 from . import interval as iv
 from .interval import Interval

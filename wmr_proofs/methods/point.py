@@ -12,8 +12,7 @@ from flint import arb, ctx, fmpq
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, Ask, UndecidedError, Walk
-from wmr_proofs.relation import ABOVE, EQUAL
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import ABOVE, EQUAL, Statement
 
 from .spec import Finding, Point, Refute, Table
 

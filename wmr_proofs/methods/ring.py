@@ -11,8 +11,7 @@ from typing import Any
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import Ask, UndecidedError, Walk, paths
 from wmr_proofs.regions import Case
-from wmr_proofs.relation import ABOVE, EQUAL
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import ABOVE, EQUAL, Statement
 
 from .field import Algebra, Exponents, Quotient
 from .point import first_violation, judge

@@ -18,8 +18,7 @@ import z3
 
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_proofs.graph import ARITHMETIC, COMPARE, Arithmetic, Ask, UndecidedError, Walk
-from wmr_proofs.relation import ABOVE, EQUAL
-from wmr_proofs.statement import Statement, behind, own_name
+from wmr_proofs.statement import ABOVE, EQUAL, Statement, behind, own_name
 
 from .point import first_violation, judge
 from .portfolio import Answer, Portfolio

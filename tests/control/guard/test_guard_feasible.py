@@ -10,8 +10,7 @@ from wmr_ctrl.control.controller import guard
 from wmr_ctrl.control.guard.guard import MAPS
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_proofs.relation import at_least
-from wmr_proofs.statement import Statement
+from wmr_proofs.statement import Statement, at_least
 
 point = pytest.importorskip("wmr_proofs.methods.point")
 

@@ -1,18 +1,18 @@
-"""The exported guard with late velocities and slow drives: which sums it takes, and how.
+"""The guard as it is exported: the parts of its graphs, and which sums it takes of commands.
 
 Sums and pushes are written down here for one piece of time after the other, as in the entries about
 pieces (guard.late.piece, guard.late.tail, guard.varying.*). The length of a piece, and its weight,
 are numbers of the scenario.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import accumulate
 from math import ceil, inf, nextafter
 
 import casadi as ca
 
-from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.guard.bounds import pair_of
 from wmr_ctrl.control.guard.delay import (
     InFlight,
@@ -23,40 +23,55 @@ from wmr_ctrl.control.guard.delay import (
     push,
     waiting,
 )
-from wmr_ctrl.control.guard.guard import MAPS, Bounds
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, feasible
 from wmr_ctrl.control.guard.lateness import Piece
-from wmr_ctrl.control.guard.monitor import LateMotion
+from wmr_ctrl.control.guard.monitor import LateMotion, least_push
 from wmr_ctrl.control.guard.varying import Passage
-from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.world.model.dynamics import wheel_to_force
+from wmr_ctrl.control.setup import Setup, settle
+from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_ctrl.world.model.system import System
-from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
-from wmr_proofs.relation import Relations, every, positive
-from wmr_proofs.statement import Statement
-from wmr_proofs.symbols import Symbols, symbols
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import Mutation
+from wmr_proofs.statement import Cuts, Named, Relations, Statement, every, positive
 
-from .guard_exported import EXPORTED, PERIOD, Assembled, exported, setup
+from .common import PRESET, named_ports, ports_of, scalars
 
-STEADY = {
-    "sensor.velocity_window": PERIOD, "actuator.delay": 0.5 * PERIOD, "actuator.lag": 0.4 * PERIOD,
-}  # fmt: skip
-VARYING = STEADY | {"actuator.lag_spread": 0.25}
-JITTER = {"actuator.jitter": 0.5 * PERIOD}
-claim = Claims(by=Z3())
+PERIOD = 0.01
 
 
-class LateAssembled(Assembled):
-    """An exported graph whose velocities are means and whose drives are slow.
+def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
+    """A loop with this map onto the wheels, behind a delay of so many periods."""
+    stated: dict[str, object] = {
+        "guard.enabled": guarded, "guard.map": kind, "clock.control": PERIOD,
+        "actuator.delay": PERIOD * delay, **more,
+    }  # fmt: skip
+    return settle(load_scenario(PRESET, stated), "pid")
 
-    ``counted``: weights of what was sent, the same on both axes; ``forces``: of what is remembered.
+
+class Assembled(Named):
+    """A graph that is exported, and the numbers of its two axes as the claims' axes have them.
+
+    ``p``: inputs, state and parameters by name; ``told``: published values besides the torques;
+    ``asked``: the force that is asked for; ``wheels``: radius and half track; ``phi``: the wheels'
+    reach; ``sent``: torques that are remembered, the last one first, and ``forces`` of these;
+    ``counted``: weights of what was sent, the same on both axes.
     """
 
     def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
-        super().__init__(assemble, loop)
+        self.setup, self.system = loop, assemble(loop)
+        ports = ports_of(self.system)
+        self.symbols = scalars(ports)
+        self.p = p = named_ports(*ports)
+        self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
+        self.torque = ca.vertcat(*(output.expr for output in self.system.outputs))
+        self.asked = p["force"] if "force" in p else self.told["force"]
+        self.wheels = p["robot.r"], p["robot.l"]
+        self.phi = 2 * p["actuator.tau_max"] / self.wheels[0]
+        kept = [name for name in p if name.startswith("tau_sent")]
+        self.sent = [p[f"tau_sent{age}"] for age in range(1, len(kept) + 1)]
+        self.forces = [wheel_to_force(*self.wheels, tau) for tau in self.sent]
         self.counted, second = loop.guard.lateness(loop.scenario.clock)
         assert self.counted == second
-        self.forces = [wheel_to_force(*self.wheels, tau) for tau in self.sent]
 
     @cached_property
     def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
@@ -69,12 +84,13 @@ class LateAssembled(Assembled):
         times = {"delay": late.most, "jitter": late.jitter, "mixed": late.mixed}
         lasting = {name: T * time for name, time in times.items() if time}
         kept = (1 + late.commands + ceil(late.lag)) * 2.0**-44
-        sums, found = self._felt if late.varying else self._summed, []
+        sums = self._felt if late.varying else self._summed
+        found: list[tuple[ca.SX, Bounds, InFlight | None]] = []
         for axis, y in enumerate((p["v1"], p["omega"])):
             numbers = {name: p[f"guard.{name}"][axis] for name in names}
             u1, alpha = p["limits.v_u1"][axis] * (1 - kept), p["guard.alpha"]
             b = Bounds(u1=u1, period=T, alpha=alpha, **numbers, **lasting)
-            found.append((y, b, sums(axis, b)))
+            found.append((y, b, sums(axis, b) if late.commands or late.lag else None))
         return tuple(found)
 
     def _summed(self, axis: int, b: Bounds) -> InFlight:
@@ -136,6 +152,31 @@ class LateAssembled(Assembled):
             z = moved(z, p, piece.stays)
         return mean, rest, z
 
+    @cached_property
+    def later(self) -> Cuts:
+        """The state one sample later, by name."""
+        ends = accumulate((port.sym.numel() for port in self.system.state), initial=0)
+        names = [port.signal.name for port in self.system.state]
+        return dict(zip(names, ca.vertsplit(self.system.update, [*ends]), strict=True))
+
+    def consists(self, torque: ca.SX) -> Statement:
+        """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
+        return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
+
+    def _parts(self, torque: ca.SX) -> Iterator[Relations]:
+        bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
+        flags = [feasible(b) for b in bounds]
+        flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
+        flags += self.slow_drives()
+        yield from (flag >= self.told["feasible"] for flag in flags)
+        yield from every(self.torque, torque)
+        for age, now in enumerate((self.torque, *self.sent[:-1])[: len(self.sent)], 1):
+            yield from every(self.later[f"tau_sent{age}"], now)
+        yield from self.kept()
+        yield from every(self.later["guard_v"], ca.vertcat(*(y for y, _, _ in self.axes)))
+        for axis, known in enumerate(self.least_pushes()):
+            yield self.told["d_least"][axis] == known
+
     def slow_drives(self) -> list[ca.SX]:
         """Conditions for the drives to be no slower, no sooner and no more varied than counted."""
         p, T, near = self.p, self.p["clock.control"], 1 + 2.0**-44
@@ -154,17 +195,12 @@ class LateAssembled(Assembled):
             met.append(step >= _periods(fast) * T * growth)
         return met
 
-    @property
-    def signs(self) -> Relations:
-        """Divisors are positive."""
-        if not self.counted.lag:
-            return super().signs
-        lag, spread = self.p["actuator.lag"], self.p.get("actuator.lag_spread", ca.SX(0))
-        return super().signs, positive(lag, 1 - spread)
-
     def kept(self) -> Iterator[Relations]:
-        """Memory of older commands, of the guard and of the monitor."""
+        """Memory beside the commands under way: what acts next, or older commands behind a lag."""
         if not self.counted.lag:
+            whole = all(time == 1 for _, time in self.counted.mean)
+            if whole and not self.counted.jitter:
+                yield from every(self.later["tau_applied"], (self.torque, *self.sent)[-1])
             return
         later = [self._joined(axis, b) for axis, (_, b, _) in enumerate(self.axes)]
         yield from every(self.later["guard_tail"], ca.vertcat(*later))
@@ -211,127 +247,50 @@ class LateAssembled(Assembled):
 
     def least_pushes(self) -> Iterator[ca.SX]:
         """The monitor's figure of each axis, once all that it counts was sent."""
-        if "guard_started" in self.p:
-            yield from super().least_pushes()
-            return
-        motion = self._motion
+        p, at_once = self.p, "guard_started" in self.p
         for axis, (y, b, _) in enumerate(self.axes):
-            least = motion.least_push(axis, y, self.p["guard_v"][axis], b)
-            begun = self.p["guard_samples"] >= 2 + ceil(self.counted.most)
-            yield ca.if_else(begun, self._kept_as_named(least), 0)
+            before = p["guard_v"][axis]
+            if at_once:
+                acted, begun = (
+                    wheel_to_force(*self.wheels, p["tau_applied"]),
+                    p["guard_started"] > 0,
+                )
+                least = least_push(y, before, acted[axis], b)
+            else:
+                least = self._kept_as_named(self._motion.least_push(axis, y, before, b))
+                begun = p["guard_samples"] >= 2 + ceil(self.counted.most)
+            yield ca.if_else(begun, least, 0)
+
+    @property
+    def signs(self) -> Relations:
+        """Signs of the divisors: all positive."""
+        bounds = [b for _, b, _ in self.axes]
+        masses = [mass for b in bounds for mass in (b.M_min, b.M_max)]
+        numbers = positive(*self.wheels, bounds[0].period, bounds[0].alpha, *masses)
+        if not self.counted.lag:
+            return numbers
+        return numbers, positive(
+            self.p["actuator.lag"], 1 - self.p.get("actuator.lag_spread", ca.SX(0))
+        )
+
+    @property
+    def cuts(self) -> Cuts:
+        """Symbols that stand for the law's force, which may be any."""
+        asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
+        return {name: self.asked[axis] for name, axis in asked.items()}
+
+
+def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
+    """It consists of the torques of its map on both axes' clips and safe points."""
+    r, half = e.wheels
+    force, safe = (
+        ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
+        for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
+    )
+    return e.consists(mutation * force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe)))
 
 
 def _periods(time: float) -> float:
     """Periods of a stated time, no fewer as doubles compute it."""
     count = time / PERIOD
     return count if count * PERIOD >= time else nextafter(count, inf)
-
-
-WAYS_TO_BE_LATE = {
-    "steady": STEADY, "jitter": STEADY | JITTER,
-    "varying-steady": VARYING, "varying": VARYING | JITTER,
-}  # fmt: skip
-EXPORTED_LATE = {
-    f"{kind}-{late}": {"kind": kind, "stated": stated}
-    for kind in MAPS
-    for late, stated in WAYS_TO_BE_LATE.items()
-}
-
-
-@claim(
-    "guard.assembled.late",
-    premises="guard.axes wheels.linear-first wheels.rotation-first",
-    each=EXPORTED_LATE,
-)
-def assembled(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Statement:
-    """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
-    axes' clips and safe points, each axis with its own bounds and what is counted of the commands
-    under way: piece after piece, what either of two commands may do, and what is kept of older
-    ones, which is updated so; feasible = 1 only where both axes' flags are, their brakes together
-    are within reach and the drives are no later, slower, sooner or more varied than is counted;
-    each d_least is that of the monitor for late motion; without jitter and with one of half a
-    period, the lag constant and varying by a quarter.
-
-    The exported guard is composed of the parts that the entries about late velocities, jitter and
-    lags are about.
-
-    Given: any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that is
-    asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it.
-    """
-    return exported(mutation, kind, LateAssembled(guard, setup(kind, 0, True, **stated)))
-
-
-LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
-
-
-@claim(
-    "guard.assembled.alone",
-
-    premises="guard.axes wheels.linear-first",
-    each={
-        "lag": {"stated": LAG}, "varying-lag": {"stated": LAG | {"actuator.lag_spread": 0.25}},
-        "delay": {"stated": PART}, "jitter": {"stated": JITTER},
-        "window": {"stated": {"sensor.velocity_window": PERIOD}},
-    },
-)  # fmt: skip
-def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
-    """nothing is late but one of: a lag of 0.4 of a period; one that varies by a quarter; a delay
-    of half a period; a jitter of that; velocities, which are means over a period. The torques of
-    the whole guard are those of linear-first on both axes' clips and safe points, with what is
-    counted of the commands under way and, behind a lag, of older ones, the new one joining them as
-    the wheels were given it; feasible = 1 only where both axes' flags are, their brakes together
-    are within reach and the drives are no later, slower or more varied than is counted; each
-    d_least is the monitor's, behind a constant lag or delay for the torque that is remembered as
-    applied, else for late motion.
-
-    Each way to be late, by itself, is counted as it is together with the others.
-
-    Given: any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where there
-    is one; any force that is asked for.
-    """
-    return exported(
-        mutation, "linear-first", LateAssembled(guard, setup("linear-first", 0, True, **stated))
-    )
-
-
-@claim(
-    "guard.assembled.controller{late}",
-
-    over=(
-        {"late": "", "more": "", "each": EXPORTED,
-         "which": "without delay and behind one of two periods"},
-        {"late": "-late", "more": ", lag, 1 - spread > 0, 0 < exp(-h/lag) < 1",
-         "each": EXPORTED_LATE,
-         "which": "late in the ways of guard.assembled.late"},
-    ),
-)  # fmt: skip
-def controller(
-    mutation: Mutation, kind: str, delay: int = 0, stated: Mapping[str, float] | None = None
-) -> Statement:
-    """torques, flag, d_least and the guard's memory one sample later are, in the whole controller,
-    those of the whole guard on the force that the law asks for: with either map, {which}.
-
-    What is proved of the exported guard holds for it inside of the controller.
-
-    Given: any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets and
-    state.
-    """
-    loop, kind_of = (
-        setup(kind, delay, True, **(stated or {})),
-        LateAssembled if stated else Assembled,
-    )
-    whole, alone = (kind_of(make, loop) for make in (asking_controller, guard))
-    put = [whole.asked if name == "force" else whole.p[name] for name in alone.p]
-    told = "feasible", "d_least"
-    theirs, ours = (
-        ca.vertcat(
-            *(e.later[name] for name in alone.later), *(e.told[name] for name in told), e.torque
-        )
-        for e in (whole, alone)
-    )
-    ours = ca.substitute(ours, ca.vertcat(*alone.p.values()), ca.vertcat(*put))
-    free = symbols("e") if stated else Symbols()
-    share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
-    below = (item for e in free.values() for item in (e > 0, e < 1))
-    given, cuts = (whole.signs, *below), {**whole.cuts, **share}
-    return Statement(whole | free, every(mutation * theirs, ours), given, cuts)
