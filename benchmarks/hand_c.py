@@ -7,19 +7,18 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import layout
 from .native import HERE, load
 from .setup import Case, Setup
 
 Array = NDArray[np.float64]
-LAWS = ("mb", "nn", "pid", "smc")
+LAWS = ("mb", "nn")
 """In the order of hand.h's enumeration."""
 
-_STATE_SIZE = {"mb": 0, "nn": 128, "pid": 3, "smc": 4}
+_STATE_SIZE = {"mb": 0, "nn": 128}
 _Vector = np.ctypeslib.ndpointer(dtype=np.float64, flags="C_CONTIGUOUS")
-_Words = np.ctypeslib.ndpointer(dtype=np.uint64, flags="C_CONTIGUOUS")
 _Law, _Plant = ctypes.POINTER(layout.HandLaw), ctypes.POINTER(layout.HandPlant)
 _Setup = ctypes.POINTER(layout.HandSetup)
 _STEP = (_Law, _Vector, _Vector, _Vector)
@@ -30,11 +29,7 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "hand_prepare_plant": (None, (_Setup, _D, _D, _D, _D, _Plant)),
     "hand_mb_step": (None, (*_STEP, _Vector)),
     "hand_nn_step": (None, (*_STEP, _Vector, _Vector)),
-    "hand_pid_step": (None, (*_STEP, _Vector, _Vector)),
-    "hand_smc_step": (None, (*_STEP, _Vector, _Vector)),
     "hand_plant_step": (None, (_Plant, _Vector, _Vector)),
-    "hand_barrier": (None, (ctypes.POINTER(layout.HandAxis), _D, _D, _Vector)),
-    "hand_philox": (None, (_Words, _Words, _Words)),
     "hand_loop": (
         ctypes.c_int,
         (ctypes.c_int, _Setup, ctypes.POINTER(layout.HandCase), _Vector,
@@ -62,36 +57,18 @@ class HandC:
     def step(
         self, law: str, reference: Array, pose: Array, v: Array, state: Array | None = None
     ) -> Array:
-        """Return the torques (2,) [N m]; ``state`` of nn (128,), pid (3,), smc (4,) is updated."""
+        """Return the torques (2,) [N m]; ``state`` of nn (128,) is updated."""
         torque = np.empty(2)
         memory = () if law == "mb" else (state,)
         function = getattr(self.library, f"hand_{law}_step")
         function(self.law, reference, pose, v, *memory, torque)
         return torque
 
-    def barrier(self, axis: int, v: float, v_c0: float) -> Array:
-        """Return v - v_c1, V1/A and q of axis 0 or 1, shape (3,)."""
-        out = np.empty(3)
-        self.library.hand_barrier(self.law.axis[axis], v, v_c0, out)
-        return out
-
     def plant(self, m: float, inertia: float, mu: float, h: float) -> layout.HandPlant:
         """Return the plant's constants for steps of ``h`` seconds."""
         plant = layout.HandPlant()
         self.library.hand_prepare_plant(self.raw, m, inertia, mu, h, plant)
         return plant
-
-    def plant_step(self, plant: layout.HandPlant, torque: Array, state: Array) -> Array:
-        """Return the state (5,) one Runge-Kutta step later."""
-        following = state.copy()
-        self.library.hand_plant_step(plant, torque, following)
-        return following
-
-    def philox(self, key: ArrayLike, counter: ArrayLike) -> NDArray[np.uint64]:
-        """Return one block of Philox4x64-10, shape (4,)."""
-        out = np.empty(4, np.uint64)
-        self.library.hand_philox(np.array(key, np.uint64), np.array(counter, np.uint64), out)
-        return out
 
     def loop(self, law: str, case: Case) -> tuple[layout.HandResult, Array]:
         """Run one closed loop; return what the monitor found and the law's final state."""

@@ -35,10 +35,7 @@ class HandSetup(ctypes.Structure):
         ("clip", Double),
         *_pairs("mb_rho nn_rho1 nn_gamma nn_sigma"),
         *_doubles("nn_eta nn_ratio_cap"),
-        *_pairs("pid_kp pid_kd smc_k smc_eta"),
-        *_doubles("smc_width smc_gain_m smc_gain_f"),
-        *_pairs("smc_weight"),
-        *_doubles("smc_v_s period"),
+        ("period", Double),
     ]
 
 
@@ -49,7 +46,7 @@ class HandAxis(ctypes.Structure):
 
 
 class HandLaw(ctypes.Structure):
-    """``hand_law``: the prepared constants of all laws."""
+    """``hand_law``: the prepared constants of both laws."""
 
     _fields_ = [
         ("axis", HandAxis * 2),
@@ -58,10 +55,6 @@ class HandLaw(ctypes.Structure):
         *_doubles("coulomb inv_v_s wheel_force wheel_moment"),
         *_pairs("mb_rho nn_rho1 nn_keep nn_learn"),
         *_doubles("nn_inv_eta2 nn_far nn_ratio_cap nn_inv_cap"),
-        *_pairs("pid_kp pid_kd_rate smc_k smc_eta"),
-        ("smc_inv_width", Double),
-        *_pairs("smc_step_m smc_step_f"),
-        ("smc_inv_v_s", Double),
     ]
 
 

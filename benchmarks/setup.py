@@ -34,15 +34,6 @@ class Setup:
     nn_sigma: Pair = (1e-4, 1e-4)
     nn_eta: float = math.sqrt(2.0)
     nn_ratio_cap: float = 1e3
-    pid_kp: Pair = (210.0, 1.1)
-    pid_kd: Pair = (0.64, 0.08)
-    smc_k: Pair = (200.0, 20.0)
-    smc_eta: Pair = (5.0, 0.5)
-    smc_width: float = 0.1
-    smc_gain_m: float = 0.5
-    smc_gain_f: float = 50.0
-    smc_weight: Pair = (1.0, 0.1)
-    smc_v_s: float = 0.01
     period: float = 0.01
 
     @staticmethod
@@ -53,7 +44,7 @@ class Setup:
         from wmr_ctrl.control.setup import settle
 
         robot, limits = scenario.believed, scenario.limits
-        mb, nn, pid, smc = (settle(scenario, law).gains for law in ("mb", "nn", "pid", "smc"))
+        mb, nn = (settle(scenario, law).gains for law in ("mb", "nn"))
         _require(
             nn.node == 1 and nn.integrator == "explicit" and math.isinf(scenario.actuator.tau_max),
             f"the hand-written laws cannot follow the scenario {scenario.name!r}: they know nodes "
@@ -62,8 +53,7 @@ class Setup:
         return Setup(
             robot.m, robot.I, robot.mu, robot.r, robot.l, robot.g, robot.v_s,
             settle(scenario, "mb").kinematics.k, limits.v_u1, limits.v_u2, limits.clip,
-            mb.rho, nn.rho1, nn.Gamma, nn.sigma, nn.eta, nn.ratio_cap, pid.Kp, pid.Kd,
-            smc.K, smc.eta, smc.boundary, smc.g_m, smc.g_F, smc.axis_scale, smc.v_s,
+            mb.rho, nn.rho1, nn.Gamma, nn.sigma, nn.eta, nn.ratio_cap,
             scenario.clock.control,
         )  # fmt: skip
 

@@ -36,20 +36,12 @@ void hand_prepare(const hand_setup *s, hand_law *p)
     p->nn_far = 1.0 + s->nn_eta * sqrt(746.0);
     p->nn_ratio_cap = s->nn_ratio_cap;
     p->nn_inv_cap = 1.0 / s->nn_ratio_cap;
-    p->smc_inv_width = 1.0 / s->smc_width;
-    p->smc_inv_v_s = 1.0 / s->smc_v_s;
     for (int i = 0; i < 2; i++) {
         prepare_axis(s->v_u1[i], s->v_u2[i], s->clip, &p->axis[i]);
         p->mb_rho[i] = s->mb_rho[i];
         p->nn_rho1[i] = s->nn_rho1[i];
         p->nn_keep[i] = 1.0 - s->period * s->nn_gamma[i] * s->nn_sigma[i];
         p->nn_learn[i] = -s->period * s->nn_gamma[i];
-        p->pid_kp[i] = s->pid_kp[i];
-        p->pid_kd_rate[i] = s->pid_kd[i] / s->period;
-        p->smc_k[i] = s->smc_k[i];
-        p->smc_eta[i] = s->smc_eta[i];
-        p->smc_step_m[i] = s->period * s->smc_gain_m * s->smc_weight[i];
-        p->smc_step_f[i] = s->period * s->smc_gain_f * s->smc_weight[i];
     }
 }
 
@@ -77,19 +69,6 @@ void hand_sizes(int64_t sizes[6])
 
 /* ---- one step at a time -------------------------------------------------------------------- */
 
-void hand_barrier(const hand_axis *axis, double v, double v_c0, double out[3])
-{
-    const barrier b = barrier_of(axis, v, v_c0);
-    out[0] = b.w;
-    out[1] = b.va;
-    out[2] = b.q;
-}
-
-void hand_philox(const uint64_t key[2], const uint64_t counter[4], uint64_t out[4])
-{
-    philox(key, counter, out);
-}
-
 void hand_mb_step(const hand_law *law, const double reference[7], const double pose[3],
                   const double v[2], double torque[2])
 {
@@ -100,18 +79,6 @@ void hand_nn_step(const hand_law *law, const double reference[7], const double p
                   const double v[2], double W[128], double torque[2])
 {
     nn_step(law, reference, pose, v, W, torque);
-}
-
-void hand_pid_step(const hand_law *law, const double reference[7], const double pose[3],
-                   const double v[2], double memory[3], double torque[2])
-{
-    pid_step(law, reference, pose, v, memory, torque);
-}
-
-void hand_smc_step(const hand_law *law, const double reference[7], const double pose[3],
-                   const double v[2], double estimates[4], double torque[2])
-{
-    smc_step(law, reference, pose, v, estimates, torque);
 }
 
 void hand_plant_step(const hand_plant *plant, const double torque[2], double state[5])
@@ -136,12 +103,10 @@ static inline void circle(const hand_case *run, double t, double ref[7])
 static inline void control(int law, const hand_law *p, const double ref[7], const double *state,
                            double *law_state, double torque[2])
 {
-    switch (law) {
-    case HAND_MB: mb_step(p, ref, state, state + 3, torque); break;
-    case HAND_NN: nn_step(p, ref, state, state + 3, law_state, torque); break;
-    case HAND_PID: pid_step(p, ref, state, state + 3, law_state, torque); break;
-    default: smc_step(p, ref, state, state + 3, law_state, torque); break;
-    }
+    if (law == HAND_MB)
+        mb_step(p, ref, state, state + 3, torque);
+    else
+        nn_step(p, ref, state, state + 3, law_state, torque);
 }
 
 /* Returns whether the run may go on. */

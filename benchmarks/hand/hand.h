@@ -14,7 +14,7 @@
 
 #include <stdint.h>
 
-enum { HAND_MB, HAND_NN, HAND_PID, HAND_SMC };
+enum { HAND_MB, HAND_NN };
 
 enum {
     HAND_ROW = 12,         /* inputs of one control step */
@@ -28,8 +28,6 @@ typedef struct {
     double k[3], v_u1[2], v_u2[2], clip;    /* (7); limits in m/s, rad/s */
     double mb_rho[2];                       /* (9) */
     double nn_rho1[2], nn_gamma[2], nn_sigma[2], nn_eta, nn_ratio_cap; /* (57), (58) */
-    double pid_kp[2], pid_kd[2];
-    double smc_k[2], smc_eta[2], smc_width, smc_gain_m, smc_gain_f, smc_weight[2], smc_v_s;
     double period;                          /* s */
 } hand_setup;
 
@@ -44,8 +42,6 @@ typedef struct {
     double k[3], mass[2], coulomb, inv_v_s, wheel_force, wheel_moment;
     double mb_rho[2];
     double nn_rho1[2], nn_keep[2], nn_learn[2], nn_inv_eta2, nn_far, nn_ratio_cap, nn_inv_cap;
-    double pid_kp[2], pid_kd_rate[2];
-    double smc_k[2], smc_eta[2], smc_inv_width, smc_step_m[2], smc_step_f[2], smc_inv_v_s;
 } hand_law;
 
 /* One closed loop on the circle x_d = R sin(w t), y_d = R - R cos(w t). */
@@ -81,21 +77,11 @@ void hand_mb_step(const hand_law *law, const double reference[7], const double p
                   const double v[2], double torque[2]);
 void hand_nn_step(const hand_law *law, const double reference[7], const double pose[3],
                   const double v[2], double W[128], double torque[2]);
-/* memory = previous z [2], then 0 before the first step and 1 after it */
-void hand_pid_step(const hand_law *law, const double reference[7], const double pose[3],
-                   const double v[2], double memory[3], double torque[2]);
-/* estimates = m^ [2], F^ [2] */
-void hand_smc_step(const hand_law *law, const double reference[7], const double pose[3],
-                   const double v[2], double estimates[4], double torque[2]);
 
 /* One classical Runge-Kutta step with the wheel torques held. */
 void hand_plant_step(const hand_plant *plant, const double torque[2], double state[5]);
 
-/* Parts, for tests: out = v - v_c1, V1/A, q of one axis; one block of Philox4x64-10. */
-void hand_barrier(const hand_axis *axis, double v, double v_c0, double out[3]);
-void hand_philox(const uint64_t key[2], const uint64_t counter[4], uint64_t out[4]);
-
-/* law = HAND_MB .. HAND_SMC; law_state is zeroed here and left as the last step leaves it.
+/* law = HAND_MB or HAND_NN; law_state is zeroed here and left as the last step leaves it.
  * Returns 0, or 1 when the run ended early because |v| reached 1e3 or was not a number. */
 int hand_loop(int law, const hand_setup *setup, const hand_case *run, double law_state[128],
               hand_result *result);

@@ -1,4 +1,4 @@
-/* The four control laws: reference, measured pose and velocity in, wheel torques out. */
+/* Two control laws: reference, measured pose and velocity in, wheel torques out. */
 #ifndef WMR_HAND_LAWS_H
 #define WMR_HAND_LAWS_H
 
@@ -67,38 +67,6 @@ static inline void nn_step(const hand_law *restrict p, const double *restrict re
     network(p, z, w, W, learned);
     wheels(p, b1.q * learned[0] - p->nn_rho1[0] * b1.va,
            b2.q * learned[1] - p->nn_rho1[1] * b2.va, torque);
-}
-
-/* PD on z = v - v_c0, derivative by a backward difference. */
-static inline void pid_step(const hand_law *p, const double *ref, const double *pose,
-                            const double *v, double memory[3], double torque[2])
-{
-    double c[2], c_dot[2], out[2];
-    auxiliary(p, ref, pose, v, c, c_dot);
-    for (int i = 0; i < 2; i++) {
-        const double z = v[i] - c[i], change = memory[2] != 0.0 ? z - memory[i] : 0.0;
-        out[i] = -p->pid_kp[i] * z - p->pid_kd_rate[i] * change;
-        memory[i] = z;
-    }
-    memory[2] = 1.0;
-    wheels(p, out[0], out[1], torque);
-}
-
-/* Adaptive sliding mode, the stand-in for reference [32]. */
-static inline void smc_step(const hand_law *p, const double *ref, const double *pose,
-                            const double *v, double estimates[4], double torque[2])
-{
-    double c[2], c_dot[2], out[2];
-    auxiliary(p, ref, pose, v, c, c_dot);
-    for (int i = 0; i < 2; i++) {
-        const double s = c[i] - v[i], rub = tanh(v[i] * p->smc_inv_v_s);
-        const double x = s * p->smc_inv_width, sat = x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x;
-        out[i] = estimates[i] * c_dot[i] + estimates[2 + i] * rub + p->smc_k[i] * s
-               + p->smc_eta[i] * sat;
-        estimates[i] += p->smc_step_m[i] * c_dot[i] * s;
-        estimates[2 + i] += p->smc_step_f[i] * rub * s;
-    }
-    wheels(p, out[0], out[1], torque);
 }
 
 #endif

@@ -37,24 +37,13 @@ def fails():
     raise OSError("no disk.\nThe second sentence")
 
 
-def raising():
-    return Candidate(fails, 1)
-
-
-def dying():
-    return Candidate(partial(os._exit, 3), 1)
-
-
-def works():
-    return Candidate(list, 1)
-
-
 @pytest.mark.slow
 def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch):
     """One that cannot be built, one that raises when it runs, and one that ends its process."""
+    works = partial(Candidate, list, 1)
     groups = (
-        {"nn_hand": fails, "nn": works, "nn_vm": works, "nn_numpy": raising},
-        {"nn_loop_hand": works, "nn_loop": dying},
+        {"nn_hand": fails, "nn": works, "nn_vm": works, "nn_numpy": partial(Candidate, fails, 1)},
+        {"nn_loop_hand": works, "nn_loop": partial(Candidate, partial(os._exit, 3), 1)},
     )
     monkeypatch.setattr(bench, "GROUPS", groups)
     result = bench.run_bench()

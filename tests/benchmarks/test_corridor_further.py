@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.corridor_further import FIFTH, FINE, HEAD, NAME, row
 from tests.benchmarks.pages import RESULTS, cells, table
-from tests.corridor.further import ROWS, Further
+from tests.corridor.further import ROWS
 
 RUN_AGAIN = (
     "the same, acceleration limited to 0.5 m/s2 and 3 rad/s2",
@@ -45,12 +45,3 @@ def test_a_row_is_reproduced(words):
     assert [float(x) for x in made[:-2]] == pytest.approx([float(x) for x in numbers], abs=LAST)
     assert made[-2] == left
     assert float(made[-1]) == pytest.approx(float(times), abs=FINE + 1e-9)
-
-
-def test_a_run_outside_of_its_corridor_ends_the_command(monkeypatch):
-    words = "turtlebot3-burger, kanayama, 0.3 mN m"
-    case = ROWS[words]()
-    wild = Further(case.scenario, case.law, lambda times: 1.0)
-    monkeypatch.setitem(ROWS, words, lambda: wild)
-    with pytest.raises(SystemExit, match="a run left the corridor"):
-        row(words)

@@ -76,13 +76,3 @@ def test_a_run_without_the_figure_is_no_evidence():
 
     assert not any(claim.holds for claim in found.values())
     assert {claim.numbers for claim in found.values()} == {"none in 1 runs"}
-
-
-@pytest.mark.parametrize("plant", RIGID_STUDIES)
-def test_the_guard_is_on_in_the_case_that_is_about_it_alone(plant):
-    names = {study.name: study.guards for study in RIGID_STUDIES[plant]}
-
-    assert {name for name, guards in names.items() if guards == (True,)} == {
-        name for name in names if name.startswith("guard")
-    }
-    assert len({*names.values()}) == 2
