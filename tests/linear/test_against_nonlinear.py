@@ -22,23 +22,13 @@ def test_sampled_nonlinear_loop_is_the_native_run(nominal, law):
         assert response.outputs[row] == pytest.approx(run[name], abs=1e-9)
 
 
-def test_continuous_reading_is_the_limit_of_a_fast_clock(nominal):
-    fast = override(nominal, {"clock.control": 1e-3, "clock.duration": 1.0})
-    run = wmr_ctrl.simulate(fast, "mb")
-    times = run.time[::100]
-    response = ct.input_output_response(
-        loop_nlsys(fast, "mb"), times, np.zeros((4, len(times))), start_of(fast, "mb")
-    )
-
-    assert response.outputs[0] == pytest.approx(run["x"][::100], abs=2e-3)
-    assert response.outputs[4] == pytest.approx(run["omega"][::100], abs=3e-2)
-
-
 def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period(nominal):
+    """And the robot moves along its heading."""
     sampled, continuous = loop_nlsys(nominal, "pid", sampled=True), loop_nlsys(nominal, "pid")
     memory = np.array([0.3, -0.2, 1.0])
-    state, pushes = np.concatenate((memory, start_of(nominal, "pid")[3:])), np.zeros(4)
+    state, pushes = np.array([*memory, -0.5, -0.5, 0.7, 0.3, 0.2]), np.zeros(4)
     after = sampled.dynamics(0.0, state, pushes)[:3]
 
-    rate = continuous.dynamics(0.0, state, pushes)[:3]
-    assert rate == pytest.approx((after - memory) / nominal.clock.control)
+    rate = continuous.dynamics(0.0, state, pushes)
+    assert rate[:3] == pytest.approx((after - memory) / nominal.clock.control)
+    assert rate[3:6] == pytest.approx((-0.3 * np.sin(0.7), 0.3 * np.cos(0.7), 0.2))

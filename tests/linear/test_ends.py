@@ -1,16 +1,14 @@
 """Margins of both axes together, robots that differ from the model, instants that are asked for."""
 
-import math
-
 import numpy as np
 import pytest
 
 from tests.papers_robot import paper
 from wmr_ctrl.theory.linear import margins
 from wmr_ctrl.theory.linear.linearise import instant
-from wmr_ctrl.theory.linear.margins import Margins, margins_at, model_errors, with_robot, worst
+from wmr_ctrl.theory.linear.margins import Margins, model_errors, with_robot, worst
 from wmr_ctrl.world.references import sample
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import override
 
 
 def test_the_worse_of_two_margins_is_the_nearer_to_one():
@@ -19,14 +17,6 @@ def test_the_worse_of_two_margins_is_the_nearer_to_one():
 
     assert worst([one, other]) == Margins(2.0, 0.7, 40.0, 0.1, 0.8, 2.3, 50.0)
     assert worst([one, None]) is None
-
-
-def test_a_disk_of_alpha_stands_its_gain_and_its_phase():
-    """Balanced: gains up to (2 + a)/(2 - a), phases up to 2 atan(a/2)."""
-    found = margins_at(load_scenario("paper-simulation"), "mb", 0)
-
-    assert found.disk_gain == pytest.approx((2 + found.disk) / (2 - found.disk), rel=1e-3)
-    assert found.disk_phase == pytest.approx(2 * math.degrees(math.atan(found.disk / 2)), rel=1e-3)
 
 
 def test_a_robot_that_differs_is_believed_to_be_what_it_was():
@@ -52,13 +42,11 @@ def test_late_loops_are_sampled_and_each_number_is_half_off_either_way(
     monkeypatch.setattr(margins, "largest_stable_period", lambda *_: 0.5)
     errors = model_errors(override(paper(), changed), "mb")
 
-    assert [(e.parameter, e.factor) for e in errors] == [
-        (name, factor) for name in ("m", "I", "mu") for factor in (0.5, 1.5)
-    ]
-    own = [[e.factor if e.parameter == name else 1.0 for name in ("m", "I", "mu")] for e in errors]
+    cases = [(name, factor) for name in ("m", "I", "mu") for factor in (0.5, 1.5)]
+    assert [(e.parameter, e.factor) for e in errors] == cases
+    own = [[f if name == item else 1.0 for item in ("m", "I", "mu")] for name, f in cases]
     assert np.array([row[:3] for row in asked]) == pytest.approx(np.repeat(own, 2, axis=0))
-    assert {row[4] for row in asked} == {period}
-    assert [row[3] for row in asked] == [0, 1] * 6
+    assert [row[3:] for row in asked] == [(0, period), (1, period)] * 6
 
 
 def test_where_no_time_is_asked_for_it_is_where_the_reference_drives_fastest():

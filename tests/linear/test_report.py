@@ -1,13 +1,10 @@
 """The report: keys, plain data, text and figures, for every law."""
 
-import json
 from dataclasses import replace
 from functools import cache
 
 import pytest
-from click.testing import CliRunner
 
-from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.theory.linear import report_linear
 from wmr_ctrl.theory.linear.state_space import constant_speed
@@ -41,39 +38,15 @@ def test_json_holds_the_figures_of_the_audit(report_of):
     assert found["adaptive_stable"] is None
 
 
-@pytest.mark.slow
-def test_command_prints_parseable_json_and_leaves_paths_to_stderr(report_of, tmp_path, monkeypatch):
-    monkeypatch.setattr(
-        "wmr_ctrl.theory.linear.report_linear",
-        lambda scenario, law, at, guard, progress: report_of(law),
-    )
-    line = ("linearize", "paper-simulation-nominal", "--law", "mb", "--json", "--plot", "figures")
-    monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(root, line)
+def test_a_reference_that_changes_speed_and_a_guard_that_is_left_out_are_reported(nominal):
+    steady = report_linear(override(nominal, {"guard.enabled": True}), "mb")
+    eight = replace(nominal, reference=Lemniscate(size=2.0, rate=0.1))
+    changing = replace(steady, time_invariant=constant_speed(eight))
 
-    assert done.exit_code == 0
-    assert json.loads(done.stdout)["law"] == "mb"
-    paths = list((tmp_path / "figures").iterdir())
-    assert {path.name.rpartition("mb-")[2] for path in paths} == {
-        "poles.png",
-        "sample-time.png",
-        "bode.png",
-    }
-    assert all(path.name in done.stderr and path.stat().st_size > 10_000 for path in paths)
-
-
-def eight(nominal):
-    return replace(nominal, reference=Lemniscate(size=2.0, rate=0.1))
-
-
-def test_a_reference_that_changes_speed_is_said_to_be_time_varying(nominal, report_of):
-    steady = report_of("mb")
-    changing = replace(steady, time_invariant=constant_speed(eight(nominal)))
-
-    assert steady.time_invariant
-    assert not changing.time_invariant
-    assert "time-varying" in changing.table()
-    assert "time-varying" not in steady.table()
+    assert (steady.time_invariant, changing.time_invariant) == (True, False)
+    assert [("time-varying" in page.table()) for page in (steady, changing)] == [False, True]
+    assert steady.to_json()["guard"] == "left out"
+    assert "guard is left out" in steady.table()
 
 
 def test_a_time_is_one_of_the_run(nominal):
@@ -89,13 +62,6 @@ def test_with_the_guard_the_figures_are_the_same_where_it_is_inactive(nominal, r
     assert report_of("mb").to_json()["guard"] is None
     assert "inactive there" in page.table()
     assert page.to_json() | {"guard": None} == report_of("mb").to_json()
-
-
-def test_a_scenario_s_guard_that_is_left_out_is_reported(nominal):
-    page = report_linear(override(nominal, {"guard.enabled": True}), "mb")
-
-    assert page.to_json()["guard"] == "left out"
-    assert "guard is left out" in page.table()
 
 
 def test_where_the_guard_acts_there_is_nothing_to_linearise():

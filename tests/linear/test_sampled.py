@@ -3,18 +3,13 @@
 import numpy as np
 import pytest
 
-from wmr_ctrl.theory.linear import (
-    largest_stable_period,
-    one_step_period,
-)
+from wmr_ctrl.theory.linear import largest_stable_period, one_step_period
 
 
 def test_model_based_limit_is_the_closed_form_of_its_faster_axis(nominal):
     """e' = -v, v' = rho/2 k e - (rho/2 + k) v held: a pole reaches -1 at T = 2/(rho/2 + k)."""
-    found = largest_stable_period(nominal, "mb")
-
-    assert found == pytest.approx(2 / (57.6 / 2 + 4), rel=2e-4)  # the circle couples a little
-    assert found == pytest.approx(0.0609, rel=2e-3)
+    # the circle couples a little
+    assert largest_stable_period(nominal, "mb") == pytest.approx(2 / (57.6 / 2 + 4), rel=2e-4)
 
 
 @pytest.mark.parametrize(
@@ -29,13 +24,6 @@ def test_one_step_limits_of_the_audit(nominal, axis, v_c0, expected):
     asked[axis] = v_c0
 
     assert one_step_period(nominal, "mb", asked)[axis] == pytest.approx(expected, rel=5e-3)
-
-
-def test_one_step_limit_in_closed_form(nominal):
-    """Inside R1 the worst v is -v_u2: (v_u1 + v_u2)/(rho (c + v_u2)/2)."""
-    expected = 1.8 / (15 * (0.2 + 0.8) / 2)
-
-    assert one_step_period(nominal, "mb", np.array((0.2, 0.0)))[0] == pytest.approx(expected)
 
 
 def test_a_law_without_barrier_has_no_one_step_limit(nominal):

@@ -44,26 +44,32 @@ def clip(v, limit):
 
 def barrier(v, c, u1, u2):
     """Barrier terms at speed ``v``, |v| < u1, for the auxiliary velocity ``c`` = v_c0."""
-    mirrored = c < 0.0
-    result = _barrier_right(-v if mirrored else v, abs(c), u1, u2)
-    return _mirror(result) if mirrored else result
+    return mirrored(_barrier_right, v, c, u1, u2)
 
 
-def _mirror(b):
+def mirrored(right, v, c, u1, u2):
+    """Terms for any sign of ``c``, by the function for c >= 0."""
+    if c >= 0.0:
+        return right(v, c, u1, u2)
+    b = right(-v, -c, u1, u2)
     return BarrierTerms(-b.v_c1, -b.gap, b.V1, -b.V1_by_A, b.q)
 
 
 def _barrier_right(v, c, u1, u2):
+    f, slope = _f(v, u1, u2), 1.0 / (u1 - abs(v)) if abs(v) > u2 else 0.0
     if c <= u2:
-        return _region1(v, c, u1, u2)
+        return region1(v, c, f, slope)
     excess = _excess(c, u1, u2)
-    if excess <= 0.0:
-        return _region2_above(v, -excess, u1, u2) if v > u2 else _region2_below(v, c, u1, u2)
-    d = _distance(c - u1)
+    if excess > 0.0:
+        d = distance(c - u1)
+        # v_c1 - u2 = delta - d, with d (d + t) = 1 taken out of the difference
+        p = excess / (1.0 + 1.0 / (d * (u1 - u2)))
+        return region3(v, d, p, 1.0 / d, f, slope, u1, u2)
     if v > u2:
-        return _region3_above(v, d, u1)
-    # v_c1 - u2 = delta - d, with d (d + t) = 1 taken out of the difference
-    return _region3_below(v, d, excess / (1.0 + 1.0 / (d * (u1 - u2))), u1, u2)
+        return _region2_above(v, -excess, u1, u2)
+    n, a = u2 - v, c - u2
+    A, V1 = n + a + slope, 0.5 * n * n + a * n + f
+    return BarrierTerms(u2, -n, V1, -V1 / A, n / A)
 
 
 def _excess(c, u1, u2):
@@ -76,10 +82,10 @@ def _excess(c, u1, u2):
     return excess
 
 
-def _distance(t):
-    """d = u1 - v_c1 in R3, positive root of d (d + t) = 1."""
-    root = math.hypot(t, 2.0)
-    return 2.0 / (t + root) if t >= 0.0 else (root - t) / 2.0
+def distance(t, k=1.0):
+    """Positive root of d (d + t) = k; d = u1 - v_c1 in R3 for t = c - u1."""
+    root = math.hypot(t, 2.0 * math.sqrt(k))
+    return 2.0 * k / (t + root) if t >= 0.0 else (root - t) / 2.0
 
 
 def _f(v, u1, u2):
@@ -90,12 +96,7 @@ def _f(v, u1, u2):
     return -math.log1p(-y) if y < 0.5 else -math.log((u1 - abs(v)) / (u1 - u2))
 
 
-def _slope(v, u1, u2):
-    """h(v)/(u1 - |v|), the barrier's share of Eq. (10) without its sign."""
-    return 1.0 / (u1 - abs(v)) if abs(v) > u2 else 0.0
-
-
-def _psi(y, rest):
+def psi(y, rest):
     """(-ln(1 - y) - y)/y^2 for y < 1, given ``rest`` = 1 - y with all its digits."""
     if abs(y) < 0.05:
         return sum(y**n / (n + 2) for n in range(15))
@@ -103,43 +104,32 @@ def _psi(y, rest):
     return (-log - y) / (y * y)
 
 
-def _region1(v, c, u1, u2):
+def region1(v, c, f, slope):
+    """Terms where v_c1 = ``c``; ``f`` and ``slope`` of the barrier at ``v``."""
     w = v - c
-    if abs(v) <= u2:
+    if slope == 0.0:
         return BarrierTerms(c, w, 0.5 * w * w, 0.5 * w, 1.0)
-    V1 = 0.5 * w * w + _f(v, u1, u2)
-    A = w + math.copysign(_slope(v, u1, u2), v)
+    V1, A = 0.5 * w * w + f, w + math.copysign(slope, v)
     return BarrierTerms(c, w, V1, V1 / A, w / A)
-
-
-def _region2_below(v, c, u1, u2):
-    n, a = u2 - v, c - u2
-    V1 = 0.5 * n * n + a * n + _f(v, u1, u2)
-    A = n + a + _slope(v, u1, u2)
-    return BarrierTerms(u2, -n, V1, -V1 / A, n / A)
 
 
 def _region2_above(v, b, u1, u2):
     """``b`` = u2 + 1/delta - c, the slope of V1 just above u2."""
     delta, w, rest = u1 - u2, v - u2, u1 - v
-    psi = _psi(w / delta, rest / delta)
     A = b + w * (1.0 + 1.0 / (delta * rest))
-    V1 = w * (b + w * (0.5 + psi / (delta * delta)))
+    V1 = w * (b + w * (0.5 + psi(w / delta, rest / delta) / (delta * delta)))
     return BarrierTerms(u2, w, V1, V1 / A, w / A)
 
 
-def _region3_above(v, d, u1):
-    rest = u1 - v
-    w = d - rest
-    half = 0.5 + _psi(w / d, rest / d) / (d * d)
-    slope = 1.0 + 1.0 / (d * rest)
-    return BarrierTerms(u1 - d, w, w * w * half, w * half / slope, 1.0 / slope)
-
-
-def _region3_below(v, d, p, u1, u2):
-    """``p`` = v_c1 - u2."""
+def region3(v, d, p, a, f, slope, u1, u2):
+    """Terms where v_c1 is ``p`` above u2, ``d`` below u1, and the slope there is ``a``."""
+    if v > u2:
+        rest = u1 - v
+        w = d - rest
+        half = 0.5 + psi(w / d, rest / d) / (d * d)
+        steep = 1.0 + 1.0 / (d * rest)
+        return BarrierTerms(u1 - d, w, w * w * half, w * half / steep, 1.0 / steep)
     m = u2 - v
     n, y = p + m, -p / d
-    V1 = 0.5 * n * n + m / d + y * y * _psi(y, 1.0 - y) + _f(v, u1, u2)
-    A = n + 1.0 / d + _slope(v, u1, u2)
+    V1, A = 0.5 * n * n + m * a + y * y * psi(y, 1.0 - y) + f, n + a + slope
     return BarrierTerms(u1 - d, -n, V1, -V1 / A, n / A)

@@ -11,7 +11,7 @@ _SHRINK = 2.0**-44
 
 @dataclass(frozen=True, slots=True)
 class GuardedAxis:
-    """Numbers of one axis: limit, masses, bounds of disturbance and measurement, friction floor.
+    """One axis: limit, masses, bounds of disturbance and measurement, friction floor; and times.
 
     ``aim`` is the limit less what rounding may cost, more with every command under way.
     """
@@ -24,37 +24,52 @@ class GuardedAxis:
     f_min: float
     f_speed: float
     aim: float
+    alpha: float
+    T: float
+    delay: float
 
-    def ceiling(self, y, alpha, T, brake, coming=0.0):
-        """Largest force that is safe at the measured velocity ``y`` with a rise that is coming."""
+    @property
+    def push(self):
+        """Largest disturbance that friction does not make up for."""
+        return self.dbar - self.f_min
+
+    def ceiling(self, y, brake, coming):
+        """Largest force that is safe at the measured velocity ``y`` with a rise that is coming.
+
+        No force may exceed what leaves room for one that takes ``delay`` to arrive.
+        """
         room = self.aim - max(y + self.nbar, self.f_speed) - coming
-        gain = self.M_min * alpha if room >= 0.0 else self.M_max / T
-        return max(gain * room - (self.dbar - self.f_min), -brake)
+        gain = self.M_min * self.alpha if room >= 0.0 else self.M_max / self.T
+        hi = max(gain * room - self.push, -brake)
+        if self.delay == 0.0:
+            return hi
+        room = self.aim - self.f_speed
+        room -= max(brake + self.push, 0.0) / (self.M_min * self.alpha)
+        return min(hi, self.M_min * room / self.delay - self.push)
 
-    def cap(self, alpha, delay):
+    def cap(self):
         """The largest braking force that leaves room for as large a one to arrive too late."""
         room = self.aim - self.f_speed
-        return self.M_min * alpha * room / (1.0 + alpha * delay) - (self.dbar - self.f_min)
-
-    def largest(self, alpha, delay, brake):
-        """What no force may exceed while it takes ``delay`` to arrive."""
-        if delay == 0.0:
-            return math.inf
-        push = self.dbar - self.f_min
-        room = self.aim - self.f_speed
-        room -= max(brake + push, 0.0) / (self.M_min * alpha)
-        return self.M_min * room / delay - push
+        return self.M_min * self.alpha * room / (1.0 + self.alpha * self.delay) - self.push
 
     def rise(self, force, time):
         """Most that v can gain while ``force`` acts for ``time``."""
-        return max(force + self.dbar - self.f_min, 0.0) * time / self.M_min
+        return max(force + self.push, 0.0) * time / self.M_min
 
-    def can_be_kept(self, alpha, T, brake, delay):
+    def can_be_kept(self, brake):
         """Whether the numbers make sense and braking outweighs the push wherever it has to."""
-        sound = self.M_min <= self.M_max and self.f_speed < self.u1 and alpha * T <= 1.0
+        sound = self.M_min <= self.M_max and self.f_speed < self.u1 and self.alpha * self.T <= 1.0
         seen = 2.0 * self.nbar <= self.aim
-        push = self.dbar - self.f_min
-        return sound and seen and self.cap(alpha, delay) >= push and brake >= push
+        return sound and seen and self.cap() >= self.push and brake >= self.push
+
+    def least_push(self, old, new, force):
+        """Smallest disturbance that explains the step from ``old`` to ``new`` under ``force``."""
+        if max(old, new) < -self.nbar:
+            return self.least_push(-old, -new, -force)
+        if min(old, new) <= self.nbar:
+            return 0.0
+        rate = (new - old - 2.0 * self.nbar) / self.T
+        return max(0.0, min(self.M_min * rate, self.M_max * rate) - force)
 
 
 class VelocityGuard:
@@ -64,28 +79,27 @@ class VelocityGuard:
     """
 
     def __init__(self, scenario, tau_max):
-        self.T, self.robot, self.settings = scenario.clock.control, scenario.robot, scenario.guard
-        self.alpha = scenario.guard.alpha or 1.0 / self.T
-        delay, lag = scenario.actuator.delay, scenario.actuator.lag
-        self.delay = delay + lag
-        self.times = times_that_count(delay, lag, self.T)
+        self.robot, self.settings = scenario.robot, scenario.guard
+        delay, lag, T = scenario.actuator.delay, scenario.actuator.lag, scenario.clock.control
+        self.times = times_that_count(delay, lag, T)
         self.sent = [(0.0, 0.0)] * len(self.times)
         self.axes = axes_of(scenario)
         self.phi = 2.0 * tau_max / scenario.robot.r
         self.brakes = self._brakes()
-        self.feasible = float(self._can_be_kept())
+        within_reach = self.brakes[0] + self.brakes[1] / self.robot.l <= self.phi
+        pairs = zip(self.axes, self.brakes, strict=True)
+        self.feasible = float(within_reach and all(a.can_be_kept(b) for a, b in pairs))
         self.v_before = None
-        self.seen = {}
-        self.memory_of((0.0, 0.0), (0.0, 0.0))
+        self.watch(None, (0.0, 0.0))
 
     def _brakes(self):
-        first, second = (axis.cap(self.alpha, self.delay) for axis in self.axes)
+        first, second = (axis.cap() for axis in self.axes)
         given, half = self.settings.brake, self.robot.l
         if given is not None:
             return min(first, given[0]), min(second, given[1])
         if math.isinf(self.phi):
             return first, second
-        need = [max(axis.dbar - axis.f_min, 0.0) for axis in self.axes]
+        need = [max(axis.push, 0.0) for axis in self.axes]
         spare = max(self.phi * (1.0 - _SHRINK) - need[0] - need[1] / half, 0.0)
         share = self.settings.brake_share
         return (
@@ -93,31 +107,15 @@ class VelocityGuard:
             min(second, need[1] + (1.0 - share) * spare * half),
         )
 
-    def _can_be_kept(self):
-        """Whether there is a safe force at every state, within the wheels' reach."""
-        both = self.brakes[0] + self.brakes[1] / self.robot.l
-        within_reach = both <= self.phi
-        pairs = zip(self.axes, self.brakes, strict=True)
-        return within_reach and all(
-            a.can_be_kept(self.alpha, self.T, b, self.delay) for a, b in pairs
-        )
-
     def box(self, v):
         """(lo, hi) of both axes, each a pair (thrust [N], moment [N m])."""
-        return (-self._most(0, v, -1.0), -self._most(1, v, -1.0)), (
-            self._most(0, v, 1.0),
-            self._most(1, v, 1.0),
-        )
+        return tuple(tuple(way * self._most(i, v, way) for i in (0, 1)) for way in (-1.0, 1.0))
 
     def _most(self, i, v, way):
         """Largest force of axis ``i`` that is safe in direction ``way``."""
-        axis, brake = self.axes[i], self.brakes[i]
-        coming = sum(
-            axis.rise(way * force[i], time)
-            for time, force in zip(self.times, self.sent, strict=True)
-        )
-        hi = axis.ceiling(way * v[i], self.alpha, self.T, brake, coming)
-        return min(hi, axis.largest(self.alpha, self.delay, brake))
+        axis, pairs = self.axes[i], zip(self.times, self.sent, strict=True)
+        coming = sum(axis.rise(way * force[i], time) for time, force in pairs)
+        return axis.ceiling(way * v[i], self.brakes[i], coming)
 
     def act(self, asked, v, applied):
         """The force that may act, within the wheels' reach."""
@@ -132,12 +130,9 @@ class VelocityGuard:
 
     def watch(self, v, applied, changed=(0.0, 0.0)):
         """Take note of the sample at velocity ``v`` that the ``applied`` torque led to."""
-        self.memory_of(changed, self._least(v, applied))
-        self.v_before = v
-
-    def memory_of(self, changed, least):
-        """Note what is logged."""
+        least = self._least(v, applied)
         self.seen = {"clip_active": changed, "d_least": least, "feasible": self.feasible}
+        self.v_before = v
 
     def _least(self, v, applied):
         if self.v_before is None:
@@ -145,25 +140,9 @@ class VelocityGuard:
         bot = self.robot
         force = ((applied[0] + applied[1]) / bot.r, bot.l * (applied[0] - applied[1]) / bot.r)
         first, second = (
-            least_push(axis, self.v_before[i], v[i], force[i], self.T)
-            for i, axis in enumerate(self.axes)
+            axis.least_push(self.v_before[i], v[i], force[i]) for i, axis in enumerate(self.axes)
         )
         return first, second
-
-
-def least_push(axis, old, new, force, T):
-    """Smallest disturbance that explains the step from ``old`` to ``new`` under ``force``."""
-    if max(old, new) < -axis.nbar:
-        return least_push(axis, -old, -new, -force, T)
-    if min(old, new) <= axis.nbar:
-        return 0.0
-    rate = (new - old - 2.0 * axis.nbar) / T
-    return max(0.0, min(axis.M_min * rate, axis.M_max * rate) - force)
-
-
-def on_their_way(scenario):
-    """How many commands have not ended when the next is computed."""
-    return math.ceil(scenario.actuator.delay / scenario.clock.control - 1e-9)
 
 
 def times_that_count(delay, lag, T):
@@ -191,15 +170,12 @@ def axes_of(scenario):
     push = (2.0 * wheel / bot.r + g.d_model[0], 2.0 * wheel * bot.l / bot.r + g.d_model[1])
     push = (push[0] + noise.push[0], push[1] + noise.push[1])
     dbar, nbar = g.dbar or push, g.nbar or scenario.sensor.velocity_noise
-    roundings = on_their_way(scenario) + math.ceil(scenario.actuator.lag / scenario.clock.control)
-    u1, aimed = scenario.limits.v_u1, 1.0 - _SHRINK * (1 + roundings)
-    first, second = (
-        GuardedAxis(
-            u1[i], low[i], high[i], dbar[i], nbar[i], g.f_min[i], g.f_speed[i], u1[i] * aimed
-        )
-        for i in (0, 1)
-    )
-    return first, second
+    delay, lag, T = scenario.actuator.delay, scenario.actuator.lag, scenario.clock.control
+    under_way = math.ceil(delay / T - 1e-9) + math.ceil(lag / T)
+    u1, aimed = scenario.limits.v_u1, 1.0 - _SHRINK * (1 + under_way)
+    times = g.alpha or 1.0 / T, T, delay + lag
+    rows = zip(u1, low, high, dbar, nbar, g.f_min, g.f_speed, strict=True)
+    return [GuardedAxis(*row, row[0] * aimed, *times) for row in rows]
 
 
 def within(force, box):

@@ -2,24 +2,20 @@
 
 import math
 
-from tests.oracle.observer import ForceObserver
-from tests.oracle.prediction import Predictor
+from tests.oracle.prediction import LawWithObserver
 
 
-class Kanayama:
+class Kanayama(LawWithObserver):
     """F = M1 a + F1(v + T a) + f, a = v_d' + (1 - exp(-rate T))/T (command - v)."""
 
     def __init__(self, gains, scenario):
-        self.gains, self.T, self.bot = gains, scenario.clock.control, scenario.believed
+        super().__init__(gains, scenario)
         self.tops = tuple(gains["share"] * u1 for u1 in scenario.limits.v_u1)
-        self.observer = ForceObserver(gains["wo"], scenario)
-        self.predictor = Predictor(gains["delay"], scenario)
         self.command = None
 
     def act(self, sight):
         """Generalised force (thrust [N], moment [N m]); observer and command move before it."""
-        force, moment = self.observer.look(sight)
-        sight = self.predictor.ahead(sight, (force, moment))
+        (force, moment), sight = self.look(sight)
         wanted, last = self._wanted(sight), self.command or sight.v
         self.command = (self._follow(0, wanted[0], last[0]), self._follow(1, wanted[1], last[1]))
         a1, a2 = (self._acceleration(i, sight) for i in (0, 1))
@@ -43,10 +39,6 @@ class Kanayama:
         pull = -math.expm1(-self.gains["rate"][i] * self.T) / self.T
         ahead = (sight.target.v1_dot, sight.target.v2_dot)[i]
         return float(ahead + pull * (self.command[i] - sight.v[i]))
-
-    def memory(self):
-        """The disturbance that the observer makes up for."""
-        return self.observer.memory()
 
 
 class Pursuit(Kanayama):

@@ -36,39 +36,13 @@ TWINS = frozenset({"velocity noise", "pose sensor", "torque noise", "push", "del
 """Effects that are written down here a second time."""
 
 
-def simulate_oracle(scenario, law, gains, kinematics, seed, effects=()):
-    """One run of ``law`` in ``scenario``.
-
-    ``gains`` are the law's resolved values, ``kinematics`` holds k (3) of Eq. (7).  Returns the
-    columns, (N,) or (N, size), of ``signals.LOG_HEAD``, of the law's memory and of the guard's
-    diagnostics (on or off), and the monitor's numbers (max_abs_v, violations, first_violation,
-    stopped, stop_reason).
-    ``effects`` names those that the loop has.  Raises ValueError for a law, a reference or an
-    effect that has no NumPy twin.
-    """
-    for name in effects:
-        if name not in TWINS:
-            raise ValueError(f"the effect {name!r} has no twin")
-    loop = _Loop(scenario, law, gains, kinematics, seed)
-    with np.errstate(over="ignore", invalid="ignore"):  # a run that overflows ends with a reason
-        loop.run()
-    return loop.log.columns(), loop.watch.numbers()
-
-
 class _Loop:
     """Everything that changes during a run."""
 
-    def __init__(
-        self,
-        scenario,
-        law,
-        gains,
-        kinematics,
-        seed,
-    ):
+    def __init__(self, scenario, law, gains, kinematics, seed):
         key, clock = key_of(seed), scenario.clock
         self.scenario, self.clock, self.k = scenario, clock, kinematics["k"]
-        self.law = build_law(law, gains, scenario)
+        self.law = LAW_TWINS[law](gains, scenario)
         self.reference = reference_of(scenario.reference)
         self.sensor = Sensors(scenario.sensor, clock, key)
         self.actuator = Drives(scenario.actuator, clock, key)
@@ -100,7 +74,7 @@ class _Loop:
         torque = wheel_torques(self._force(sight), self.scenario.robot)
         self.sent.appendleft(torque)
         right, left = self._disturbance(k)
-        self.log.write(self._row(k, target, sight, torque, (right, left)))
+        self.log.rows.append(self._row(k, target, sight, torque, (right, left)))
         told = []
         for j in range(self.clock.substeps):
             if not self.ended:
@@ -184,43 +158,24 @@ def _mean(pairs):
 
 
 class Recorder:
-    """Collects rows of values by column name."""
+    """Collects rows of values by column name; ``further``: columns beyond those of all laws."""
 
     def __init__(self, further):
         self.sizes = {signal.name: signal.size for signal in LOG_HEAD}
-        self.sizes.update(
-            {name: len(v) if isinstance(v, tuple) else 1 for name, v in further.items()}
-        )
-        self.rows = {name: [] for name in self.sizes}
-
-    def write(self, row):
-        """Append one row, which must name every column and nothing else."""
-        if row.keys() != self.rows.keys():
-            raise KeyError(f"columns that differ: {sorted(row.keys() ^ self.rows.keys())}")
-        for name, value in row.items():
-            self.rows[name].append(value)
+        self.sizes |= {name: len(v) if isinstance(v, tuple) else 1 for name, v in further.items()}
+        self.rows = []
 
     def columns(self):
         """Arrays (N,), or (N, size) for vectors, also when there is no row."""
         return {
-            name: np.array(self.rows[name], dtype=float).reshape(-1 if size == 1 else (-1, size))
+            name: np.array([row[name] for row in self.rows], dtype=float).reshape(
+                -1 if size == 1 else (-1, size)
+            )
             for name, size in self.sizes.items()
         }
 
 
 LAW_TWINS = {
-    "pid": Pid,
-    "smc": Smc,
-    "mb": ModelBased,
-    "nn": NeuralNetwork,
-    "prox": Prox,
-    "kanayama": Kanayama,
-    "pursuit": Pursuit,
-}
-
-
-def build_law(name, gains, scenario):
-    """The twin of law ``name`` with its resolved gains; ValueError if it has none."""
-    if name not in LAW_TWINS:
-        raise ValueError(f"of the laws {', '.join(LAW_TWINS)} have a twin, not {name!r}")
-    return LAW_TWINS[name](gains, scenario)
+    "pid": Pid, "smc": Smc, "mb": ModelBased, "nn": NeuralNetwork, "prox": Prox,
+    "kanayama": Kanayama, "pursuit": Pursuit,
+}  # fmt: skip

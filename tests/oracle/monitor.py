@@ -43,10 +43,5 @@ class Watch:
 
     def numbers(self):
         """The monitor's numbers by name, as plain Python values."""
-        return {
-            "max_abs_v": (self.max_abs_v[0], self.max_abs_v[1]),
-            "violations": self.violations,
-            "first_violation": self.first_violation,
-            "stopped": self.stopped,
-            "stop_reason": self.stop_reason,
-        }
+        seen = {name: value for name, value in vars(self).items() if name != "v_u1"}
+        return {**seen, "max_abs_v": tuple(self.max_abs_v)}

@@ -9,7 +9,27 @@ from tests.oracle.auxiliary import (
     reference_rate,
     tracking_error,
 )
+from tests.oracle.observer import ForceObserver
 from tests.oracle.target import DesiredState
+
+
+class LawWithObserver:
+    """A law that makes up for what its observer sees, and looks ahead over its delay."""
+
+    def __init__(self, gains, scenario):
+        self.gains, self.limits = gains, scenario.limits
+        self.T, self.bot = scenario.clock.control, scenario.believed
+        self.observer = ForceObserver(gains["wo"], scenario)
+        self.predictor = Predictor(gains["delay"], scenario)
+
+    def look(self, sight):
+        """Observer's force and moment, which are renewed, and the sight ahead."""
+        force = self.observer.look(sight)
+        return force, self.predictor.ahead(sight, force)
+
+    def memory(self):
+        """The disturbance that the observer makes up for."""
+        return self.observer.memory()
 
 
 class Predictor:

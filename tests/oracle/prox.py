@@ -2,26 +2,21 @@
 
 import math
 
-from tests.oracle.barrier import barrier
-from tests.oracle.observer import ForceObserver
-from tests.oracle.prediction import Predictor
+from tests.oracle.barrier import barrier, distance
+from tests.oracle.prediction import LawWithObserver
 from tests.oracle.smooth import smooth_barrier
 
 
-class Prox:
+class Prox(LawWithObserver):
     """F = M1 (v+ - v)/T + F1(v+) + f, v+ the implicit step of V1's gradient flow."""
 
     def __init__(self, gains, scenario):
-        self.gains, self.limits = gains, scenario.limits
-        self.T, self.bot = scenario.clock.control, scenario.believed
+        super().__init__(gains, scenario)
         self.smooth, self.level = gains["barrier"] == "smooth", gains["transport"] == "level"
-        self.observer = ForceObserver(gains["wo"], scenario)
-        self.predictor = Predictor(gains["delay"], scenario)
 
     def act(self, sight):
         """Generalised force (thrust [N], moment [N m]); the observer moves before it."""
-        force, moment = self.observer.look(sight)
-        sight = self.predictor.ahead(sight, (force, moment))
+        (force, moment), sight = self.look(sight)
         ends = [self._end(i, sight) for i in (0, 1)]
         drag = self.observer.friction(ends[0])
         return (
@@ -68,10 +63,6 @@ class Prox:
     def _near(self, i, c, k):
         return nearest(c, k, self.limits.v_u1[i], self.limits.v_u2[i], self.smooth)
 
-    def memory(self):
-        """The disturbance that the observer makes up for."""
-        return self.observer.memory()
-
 
 def nearest(c, k, u1, u2, smooth=False):
     """The x that minimises (x - c)^2/2 + k f(x), |x| < u1 [m/s or rad/s]."""
@@ -83,14 +74,8 @@ def _right(c, k, u1, u2, smooth):
         return c
     delta = u1 - u2
     if smooth:
-        d = _root(c - u1 + k / delta, k)
+        d = distance(c - u1 + k / delta, k)
         return u2 + (c - u2) / (1.0 + k / (d * delta))
     if c <= u2 + k / delta:
         return u2
-    return u1 - _root(c - u1, k)
-
-
-def _root(t, k):
-    """d > 0 with d (d + t) = k."""
-    r = math.hypot(t, 2.0 * math.sqrt(k))
-    return 2.0 * k / (t + r) if t >= 0.0 else (r - t) / 2.0
+    return u1 - distance(c - u1, k)

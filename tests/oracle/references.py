@@ -4,6 +4,7 @@ Angles follow the project's convention: 0 along +Y, forward = (-sin theta, cos t
 """
 
 import math
+from functools import partial
 
 from tests.oracle.target import DesiredState, target_on
 from wmr_ctrl.world.scenario import Circle, Lemniscate, Line, StopAndGo
@@ -11,15 +12,7 @@ from wmr_ctrl.world.scenario import Circle, Lemniscate, Line, StopAndGo
 
 def reference_of(kind):
     """The function of time t [s] that a scenario's reference describes."""
-    if isinstance(kind, Circle):
-        return lambda t: circle(kind, t)
-    if isinstance(kind, Line):
-        return lambda t: line(kind, t)
-    if isinstance(kind, Lemniscate):
-        return lambda t: lemniscate(kind, t)
-    if isinstance(kind, StopAndGo):
-        return lambda t: stop_and_go(kind, t)
-    raise ValueError(f"the reference {type(kind).__name__} has no twin")
+    return partial(KINDS[type(kind)], kind)
 
 
 def circle(kind, t):
@@ -58,3 +51,6 @@ def lemniscate(kind, t):
     rate2 = (-a * w**2 * s, -2.0 * a * w**2 * s2)
     rate3 = (-a * w**3 * c, -4.0 * a * w**3 * c2)
     return target_on((a * s, a * s * c), theta, rate, rate2, rate3)
+
+
+KINDS = {Circle: circle, Line: line, Lemniscate: lemniscate, StopAndGo: stop_and_go}

@@ -30,7 +30,4 @@ class Smc:
 
     def memory(self):
         """Estimated inertia and friction of both axes, after the update."""
-        return {
-            "m_hat": (self.m_hat[0], self.m_hat[1]),
-            "F_hat": (self.F_hat[0], self.F_hat[1]),
-        }
+        return {"m_hat": tuple(self.m_hat), "F_hat": tuple(self.F_hat)}
