@@ -5,23 +5,21 @@ import math
 import numpy as np
 import pytest
 
+from tests.papers_robot import preset
+from tests.tables import cases
 from wmr_ctrl.simulation.coupled import Coupled
 from wmr_ctrl.simulation.engines import runnable
-from wmr_ctrl.world.scenario import load_scenario
 
-LATE = {"clock.duration": 2.0, "actuator.delay": 0.02, "sensor.velocity_noise": [0.02, 0.03]}
-NAN, INF = math.nan, math.inf
+
+def loop_with(told):
+    return runnable(preset("paper-simulation", told), "mb", "mujoco")
 
 
 @pytest.fixture(scope="module")
-def loop(loop_with):
+def loop():
     """Limits are 1 m/s and 1.5 rad/s, and a run ends at 1000 of either."""
-    return loop_with(LATE)
-
-
-@pytest.fixture(scope="module")
-def loop_with():
-    return lambda changes: runnable(load_scenario("paper-simulation", changes), "mb", "mujoco")
+    late = "clock.duration = 2.0; changes = []; actuator.delay = 0.02"
+    return loop_with(f"{late}; sensor.velocity_noise = [0.02, 0.03]")
 
 
 def coupled(loop):
@@ -33,40 +31,44 @@ def columns_of(loop):
 
 
 @pytest.mark.parametrize(
-    "v, omega, most, violated, stop",
-    [
-        (-1.0, 1.5, (1.0, 1.5), None, None),
-        (0.5, -1.6, (0.5, 1.6), 2, None),
-        (-1.1, 1.6, (1.1, 1.6), 1, None),
-        (999.0, 0.0, (999.0, 0.0), 1, None),
-        (-1000.0, 0.0, (1000.0, 0.0), 1, ("diverged", 1)),
-        (0.0, 1000.0, (0.0, 1000.0), 2, ("diverged", 2)),
-        (-1000.0, 1000.0, (1000.0, 1000.0), 1, ("diverged", 1)),
-        (1.2, NAN, (1.2, 0.0), None, ("non-finite", 2)),
-        (NAN, 1.2, (0.0, 0.0), None, ("non-finite", 1)),
-        (INF, NAN, (0.0, 0.0), None, ("non-finite", 1)),
-        (0.0, -INF, (0.0, 0.0), None, ("non-finite", 2)),
-    ],
+    "given, most, violated, stop",
+    cases("""
+        -1.0 1.5 | 1.0 1.5 | 0 | goes on
+        0.5 -1.6 | 0.5 1.6 | 2 | goes on
+        -1.1 1.6 | 1.1 1.6 | 1 | goes on
+        999.0 0.0 | 999.0 0.0 | 1 | goes on
+        -1000.0 0.0 | 1000.0 0.0 | 1 | diverged 1
+        0.0 1000.0 | 0.0 1000.0 | 2 | diverged 2
+        -1000.0 1000.0 | 1000.0 1000.0 | 1 | diverged 1
+        1.2 nan | 1.2 0.0 | 0 | non-finite 2
+        nan 1.2 | 0.0 0.0 | 0 | non-finite 1
+        inf nan | 0.0 0.0 | 0 | non-finite 1
+        0.0 -inf | 0.0 0.0 | 0 | non-finite 2
+    """),
 )
-def test_the_monitor_takes_each_state_for_what_it_is(loop, v, omega, most, violated, stop):
-    """At plant step 7: what is no number counts neither as fastest nor as beyond a limit."""
-    one = coupled(loop)
-    ends = one.ends((0.0, 0.0, 0.0, v, omega), 7)
-    seen, time = one.monitor(), 7 * loop.scenario.clock.plant
+def test_the_monitor_takes_each_state_for_what_it_is(loop, given, most, violated, stop):
+    """Speeds, the largest of each axis, the axis beyond its limit, and what ends the run.
 
-    assert ends is (stop is not None)
-    assert seen.max_abs_v == most
-    assert seen.violations == (violated is not None)
-    assert seen.first_violation == (violated and (time, violated))
-    assert (seen.stop_reason, seen.stopped) == (
-        (stop[0], (time, stop[1])) if stop else (seen.stop_reason, None)
-    )
+    At plant step 7: what is no number counts neither as fastest nor as beyond a limit.
+    """
+    one, time = coupled(loop), 7 * loop.scenario.clock.plant
+    ends = one.ends((0.0, 0.0, 0.0, *map(float, given.split())), 7)
+    seen, axis = one.monitor(), int(violated)
+
+    assert ends is (stop != "goes on")
+    assert seen.max_abs_v == tuple(map(float, most.split()))
+    assert seen.violations == (axis > 0)
+    assert seen.first_violation == ((time, axis) if axis else None)
+    if ends:
+        assert (f"{seen.stop_reason} {seen.stopped[1]}", seen.stopped[0]) == (stop, time)
+    else:
+        assert seen.stopped is None
 
 
-def test_a_torque_comes_near_its_command_as_fast_as_its_lag_of_this_sample(loop_with):
+def test_a_torque_comes_near_its_command_as_fast_as_its_lag_of_this_sample():
     """A lag that varies stays the same within a sample, and another sample has another."""
     slow, h, wanted = 0.02, 0.001, 3.0
-    varying = loop_with({"actuator.lag": slow, "actuator.lag_spread": 0.5})
+    varying = loop_with(f"actuator.lag = {slow}; actuator.lag_spread = 0.5")
     one, columns = coupled(varying), columns_of(varying)
     left, lags = wanted, []
     for _ in range(3):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl import simulate_many, simulate_runs
 from wmr_ctrl.results.figures import FIGURES, STATE
 from wmr_ctrl.simulation.figures import COLUMNS, EVENTS
@@ -23,27 +24,16 @@ def test_each_column_of_numbers_is_a_figure_or_an_event(table):
     assert all(column.shape == (3,) for column in table.values())
 
 
-def test_a_table_goes_on_into_pandas(table):
-    pytest.importorskip("pandas")
-    frame = table.to_dataframe()
-
-    assert len(frame) == table.rows == 3
-    np.testing.assert_array_equal(frame["max_abs_v2"], table["max_abs_v2"])
-    assert frame.attrs["units"]["max_abs_v2"] == "rad/s"
-    assert "3 runs" in table._repr_html_()
-
-
 @pytest.mark.parametrize(
-    "law, overrides, guard",
+    "law, guard, told",
     [
-        ("mb", {"clock.duration": 6.0}, None),
-        ("prox", {"clock.duration": 6.0, "disturbance.truncate": 3.0}, True),
-        ("mb", {"clock.duration": 6.0, "clock.control": 0.1}, None),  # breaks the limit
+        ("prox", True, "disturbance.truncate = 3.0"),
+        pytest.param("mb", None, "clock.control = 0.1", marks=pytest.mark.slow),  # beyond limits
     ],
 )
-@pytest.mark.slow_but("prox-overrides1-True")
-def test_every_figure_is_that_of_the_sums(law, overrides, guard):
-    chosen = {"seeds": range(2), "overrides": overrides, "guard": guard}
+def test_every_figure_is_that_of_the_sums(law, guard, told):
+    short = changes(f"clock.duration = 6.0; {told}")
+    chosen = {"seeds": range(2), "overrides": short, "guard": guard}
     table = simulate_many("far-start", law, **chosen)
     for k, run in enumerate(simulate_runs("far-start", law, **chosen)):
         taken = figures_from_run(run, tuple(table[f"final_{name}"][k] for name, _ in STATE))

@@ -6,8 +6,8 @@ CUDA where there is a device.
 
 import ctypes as ct
 import sys
-import types
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +15,8 @@ from click.testing import CliRunner
 
 from tests.simulation.campaign.studies import REAL
 from tests.simulation.graphics import COMPILER, Stand
+from tests.simulation.test_coupled import columns_of
+from tests.tables import changes
 from wmr_ctrl import simulate_many, simulate_runs, study
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.control.given import scenario_of
@@ -27,11 +29,11 @@ from wmr_ctrl.simulation.campaign.study_run import _told
 from wmr_ctrl.simulation.engines import check_device, runnable
 from wmr_ctrl.simulation.memory import Task
 
-SHORT = {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 3.3, "I": 0.03, "mu": 0.05}]}
+SHORT = changes("clock.duration = 2.0; changes = [{t = 1.0, m = 3.3, I = 0.03, mu = 0.05}]")
 
 
 @pytest.fixture
-def stand(tmp_path_factory, monkeypatch, request):
+def stand(monkeypatch, request):
     if COMPILER is None:
         pytest.skip("NOT RUN: no C++ compiler is there")
     made = Stand(Path(request.config.cache.mkdir("gpu")), most=3)
@@ -63,28 +65,26 @@ def test_figures_and_columns_are_those_of_lanes(stand):
             np.testing.assert_array_equal(other[name], run[name], err_msg=name)
 
 
-def test_a_launch_takes_no_more_than_the_memory_holds(stand):
+def test_a_launch_includes_nothing_and_takes_no_more_than_the_memory_holds(stand):
     task = Task(runnable(scenario_of("safe-simulation"), "prox", device="gpu"), 0)
+    text = Path(task.loop.compiled.library).read_text(encoding="utf-8")
+    assert "#include" not in text
+    assert text.count("wmr_runs") == 1
     stand.most = 10**6
     assert gpu.robots_of(task, 11, log=False) < 10**6
     logged = gpu.robots_of(task, 11, log=True)
-    rows = task.loop.scenario.clock.samples * sum(s.size for s in task.loop.compiled.layout.columns)
-    assert 1 <= logged <= stand.memory // 4 // (8 * rows)
+    numbers = task.loop.scenario.clock.samples * columns_of(task.loop)
+    assert 1 <= logged <= stand.memory // 4 // (8 * numbers)
 
 
 def test_a_cancelled_launch_ends_and_leaves_nothing(stand, monkeypatch):
     loop = runnable(scenario_of("safe-simulation"), "prox", device="gpu")
     run = Stand.run
 
-    def interrupted(self, *words):
-        cancelled = words[-1]
-        assert isinstance(cancelled, ct.c_int32)
+    def interrupted(self, path, defines, batch, arrays, cancelled):
         cancelled.value = 1
-        run(self, *words)
-        arrays = words[3]
-        assert isinstance(arrays, dict)
-        samples = arrays["findings"][loop.compiled.layout.findings.index("samples")]
-        assert not samples.any()
+        run(self, path, defines, batch, arrays, cancelled)
+        assert not arrays["findings"][loop.compiled.layout.findings.index("samples")].any()
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Stand, "run", interrupted)
@@ -95,76 +95,38 @@ def test_a_cancelled_launch_ends_and_leaves_nothing(stand, monkeypatch):
     assert gpu.launched([Task(loop, 0)], [], False, cancelled) is None
 
 
-def test_a_study_has_the_same_table_and_goes_on_after_an_interrupt(stand, tmp_path, monkeypatch):
+def test_a_study_has_the_same_table(stand, tmp_path, monkeypatch):
     monkeypatch.setattr("wmr_ctrl.simulation.campaign.study_run.GPU_CHUNK", 3)
     figures = ["violated", "position_rms"]
     plan = {**REAL, "guard": [False], "seeds": 4, "figures": figures, "chunk": 2}
-    expected = study(plan, tmp_path / "cpu").table.read_bytes()
-    run, left = Stand.run, [1]
+    expected, found = (study(plan, tmp_path / name, device=name) for name in ("cpu", "gpu"))
 
-    def once(self, *words):
-        if not left.pop():
-            raise KeyboardInterrupt
-        left.append(0)
-        run(self, *words)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Stand, "run", once)
-        with pytest.raises(KeyboardInterrupt):
-            study(plan, tmp_path / "gpu", device="gpu")
-    kept = len(list((tmp_path / "gpu" / "chunks").iterdir()))
-    before = len(stand.launches)
-    assert study(plan, tmp_path / "gpu", device="gpu").table.read_bytes() == expected
-    assert kept == 1
-    assert len(stand.launches) == before + 2
-
-
-def test_the_text_includes_nothing():
-    loop = runnable(scenario_of("safe-simulation"), "prox", device="gpu")
-    text = Path(loop.compiled.library).read_text(encoding="utf-8")
-    assert "#include" not in text
-    assert text.count("wmr_runs") == 1
+    assert found.table.read_bytes() == expected.table.read_bytes()
+    assert len(stand.launches) == 3
 
 
 def test_without_cupy_or_a_device_there_is_a_sentence(tmp_path, monkeypatch):
-    plan = tmp_path / "plan.toml"
-    plan.write_text('scenario = "far-start"\nlaws = ["mb"]\nseeds = 1\n', encoding="utf-8")
-    words = ["study", str(plan), "--out", str(tmp_path / "out"), "--device", "gpu"]
+    """A cluster's client needs no device of its own, and a worker without one tells so."""
     gpu.processor.cache_clear()
     monkeypatch.setitem(sys.modules, "cupy", None)
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[gpu\]"):
         simulate_many("far-start", "mb", [0], device="gpu")
-    monkeypatch.setitem(sys.modules, "cupy", _without_device())
+
+    def fail(*_):
+        raise RuntimeError("no driver")
+
+    runtime = SimpleNamespace(CUDARuntimeError=RuntimeError, getDeviceProperties=fail)
+    driverless = SimpleNamespace(runtime=runtime, Device=lambda: SimpleNamespace(id=0))
+    monkeypatch.setitem(sys.modules, "cupy", SimpleNamespace(cuda=driverless))
     with pytest.raises(DeviceError, match="no CUDA device answers"):
         simulate_many("far-start", "mb", [0], device="gpu")
+    plan = tmp_path / "plan.toml"
+    plan.write_text('scenario = "far-start"\nlaws = ["mb"]\nseeds = 1\n', encoding="utf-8")
+    words = ["study", str(plan), "--out", str(tmp_path / "out"), "--device", "gpu"]
     result = CliRunner().invoke(root, words)
     assert result.exit_code == 2
     assert "no CUDA device answers" in result.stderr
     assert not (tmp_path / "out").exists()
-
-
-def _without_device():
-    """CuPy on a machine without a driver."""
-
-    class CUDARuntimeError(RuntimeError):
-        pass
-
-    def fail(*_):
-        raise CUDARuntimeError("no driver")
-
-    module = types.ModuleType("cupy")
-    runtime = types.SimpleNamespace(CUDARuntimeError=CUDARuntimeError, getDeviceProperties=fail)
-    device = types.SimpleNamespace(id=0)
-    module.cuda = types.SimpleNamespace(runtime=runtime, Device=lambda: device)  # type: ignore[attr-defined]
-    return module
-
-
-def test_a_chunk_for_a_worker_without_a_device_is_told_there(
-    monkeypatch,
-):
-    """A cluster's client needs no device of its own."""
-    gpu.processor.cache_clear()
-    monkeypatch.setitem(sys.modules, "cupy", _without_device())
     check_device("gpu", here=False)
     case = PlannedCase(scenario_of("far-start"), "mb", False)
     answer = _told(chunk_rows, StudyChunk(((case, 0),), ("violated",), device="gpu"), 1)

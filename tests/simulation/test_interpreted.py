@@ -3,6 +3,7 @@
 import numpy as np
 
 from tests.papers_robot import paper
+from tests.tables import changes
 from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.simulation.interpreted import run_interpreted
@@ -25,11 +26,10 @@ def test_it_logs_every_sample_tells_how_far_it_is_and_repeats_itself():
 
 
 def test_a_loop_that_diverges_stops():
-    away = {"gains.pid.Kp": [1e9, 1e9], "gains.pid.Kd": [0.0, 0.0], "clock.duration": 5.0}
+    away = changes("gains.pid.Kp = [1e9, 1e9]; gains.pid.Kd = [0.0, 0.0]; clock.duration = 5.0")
     scenario = override(paper(), away)
+    loop = loop_functions(settle(scenario, "pid"))
 
-    columns, monitor = run_interpreted(
-        loop_functions(settle(scenario, "pid")), 0, settings_of(scenario)
-    )
+    columns, monitor = run_interpreted(loop, 0, settings_of(scenario))
     assert monitor.stopped is not None
     assert len(columns["t"]) < 500

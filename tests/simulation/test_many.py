@@ -21,34 +21,32 @@ from wmr_ctrl.simulation.memory import Task
 SHORT = {"clock.duration": 4.0, "changes": []}
 
 
-def many(overrides, seeds, starts=None):
-    scenarios = [scenario_of("paper-simulation", {**SHORT, **item}) for item in overrides]
-    build = partial(runnable, law="mb")
-    return tabulated(planned_tasks(build, scenarios, seeds, starts, None))
-
-
-class BlindGains(Section, key="gains.blind"):
+class NoGains(Section, key="gains.toy"):
     """None."""
 
 
 def blind(sample):
     """A thrust that is no number any more above 0.05 m/s."""
-    return sample.system("blind law", ca.vertcat(100 + ca.sqrt(0.05 - sample.v[0]), 0))
+    return sample.system("toy law", ca.vertcat(100 + ca.sqrt(0.05 - sample.v[0]), 0))
 
 
-def with_law(monkeypatch, name, **changed):
-    """A scenario without noise, and one of these laws registered for it."""
-    entry = EntryPoint(name, f"{__name__}:{name.upper()}", "wmr_ctrl.laws")
-    monkeypatch.setitem(LAWS.plugins, name, entry)
+def spin(sample):
+    """No thrust, and a moment that turns half a kg m2 faster than doubles can say."""
+    return sample.system("toy law", ca.vertcat(0, 2e307))
+
+
+def with_law(monkeypatch, build, **changed):
+    """A scenario without noise, and a law of this name."""
+    law = Law(build.__name__, NoGains, build, Traits(), "Toy law.")
+    monkeypatch.setitem(globals(), "TOY", law)
+    entry = EntryPoint(law.name, f"{__name__}:TOY", "wmr_ctrl.laws")
+    monkeypatch.setitem(LAWS.plugins, law.name, entry)
     return scenario_of("paper-simulation", {**SHORT, "disturbance.std": 0.0, **changed})
-
-
-BLIND = Law("blind", BlindGains, blind, Traits(), "Toy law.")
 
 
 @pytest.mark.slow
 def test_a_torque_that_is_no_number_is_the_largest(monkeypatch):
-    scenario = with_law(monkeypatch, "blind")
+    scenario = with_law(monkeypatch, blind)
     table = tabulated([Task(runnable(scenario, "blind"), 0)])
     run = simulate(scenario, "blind")
 
@@ -58,34 +56,25 @@ def test_a_torque_that_is_no_number_is_the_largest(monkeypatch):
     assert summary(run)["tau_peak"] is None
 
 
-def spin(sample):
-    """No thrust, and a moment that turns half a kg m2 faster than doubles can say."""
-    return sample.system("spinning law", ca.vertcat(0, 2e307))
-
-
-SPINNING = Law("spinning", BlindGains, spin, Traits(), "Toy law.")
-
-
 @pytest.mark.slow
-def test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest(
-    monkeypatch,
-):
-    scenario = with_law(monkeypatch, "spinning", **{"robot.I": 0.5})
-    monitor = simulate(scenario, "spinning").monitor
+def test_a_rate_of_turn_that_is_no_number_is_not_told_as_the_largest(monkeypatch):
+    scenario = with_law(monkeypatch, spin, **{"robot.I": 0.5})
+    monitor = simulate(scenario, "spin").monitor
 
     assert (monitor.stop_reason, monitor.stopped) == ("non-finite", (0.001, 2))
     assert np.isfinite(monitor.max_abs_v).all()
 
 
 @pytest.mark.parametrize(
-    "overrides, seeds, starts, message",
+    "count, seeds, starts, message",
     [
-        ([{}], [], None, "empty"),
-        ([{}, {}], [1, 2, 3], None, "2 entries for 3 seeds"),
-        ([{}], [1, 2], [[0, 0, 0, 0, 0]], r"\(2, 5\)"),
-        ([{}], [1], [[0, 0, 0]], r"\(1, 5\)"),
+        (1, [], None, "empty"),
+        (2, [1, 2, 3], None, "2 entries for 3 seeds"),
+        (1, [1, 2], [[0, 0, 0, 0, 0]], r"\(2, 5\)"),
+        (1, [1], [[0, 0, 0]], r"\(1, 5\)"),
     ],
 )
-def test_what_does_not_fit_is_said(overrides, seeds, starts, message):
+def test_what_does_not_fit_is_said(count, seeds, starts, message):
+    scenarios = [scenario_of("paper-simulation", SHORT)] * count
     with pytest.raises(ArgumentError, match=message):
-        many(overrides, seeds, starts=starts)
+        planned_tasks(partial(runnable, law="mb"), scenarios, seeds, starts, None)

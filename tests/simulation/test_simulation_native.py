@@ -10,27 +10,24 @@ import pytest
 from tests import oracle
 from tests.equal_runs import runs_equal
 from tests.oracle import noise
-from wmr_ctrl.api import (
-    compile_law,
-    export_fmu,
-    simulate,
-)
+from tests.papers_robot import preset
+from tests.tables import cases, changes
+from wmr_ctrl.api import compile_law, export_fmu, simulate
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.core.signals import LARGEST
-from wmr_ctrl.simulation.compiled_law import seconds_of
 from wmr_ctrl.world.registry import Disturbance
 from wmr_ctrl.world.scenario import Scenario
 
-CHANGES = [{"t": 3.0, "m": 65.0, "I": 7.0, "mu": 0.15}, {"t": 4.5, "m": 40.0, "I": 4.0, "mu": 0.05}]
-SHORT = {"clock.duration": 6.0, "changes": CHANGES}
+SHORT = changes("""
+clock.duration = 6.0
+changes = [{t = 3.0, m = 65.0, I = 7.0, mu = 0.15}, {t = 4.5, m = 40.0, I = 4.0, mu = 0.05}]
+""")
 SAMPLE = (0.1, 0.0, -1.5, 0.2, 0.1, 0.0, 0.0, -0.1, -0.2, -0.7, 0.1, 0.05)
 
 
-def largest_gap(first, second, rows=None):
-    return max(
-        float(np.nanmax(abs(first[s.name][:rows] - second[s.name][:rows]))) for s in first.signals
-    )
+def largest_gap(first, second):
+    return max(float(np.nanmax(abs(first[s.name] - second[s.name]))) for s in first.signals)
 
 
 @pytest.mark.slow
@@ -45,19 +42,18 @@ def test_both_engines_equal_the_oracle_over_80_s():
 
 
 @pytest.mark.parametrize(
-    "law, changed",
-    [
-        ("mb", {"actuator.tau_max": 10.0}),
-        ("pid", {"actuator.lag": 0.02, "actuator.delay": 0.005}),
-        ("kanayama", {"disturbance.truncate": 1.5}),
-        ("prox", {"sensor.velocity_noise": [0.02, 0.03]}),
-        ("nn", {"sensor.pose_period": 0.1, "sensor.pose_noise": 0.05, "sensor.correction": 0.2}),
-        ("pursuit", {"reference.kind": "lemniscate"}),
-    ],
+    "law, told",
+    cases("""
+        mb | actuator.tau_max = 10.0
+        pid | actuator.lag = 0.02; actuator.delay = 0.005 | slow
+        kanayama | disturbance.truncate = 1.5 | slow
+        prox | sensor.velocity_noise = [0.02, 0.03] | slow
+        nn | sensor.pose_period = 0.1; sensor.pose_noise = 0.05; sensor.correction = 0.2 | slow
+        pursuit | reference.kind = "lemniscate" | slow
+    """),
 )
-@pytest.mark.slow_but("mb-changed0")
-def test_every_option_equals_the_oracle(law, changed):
-    given = {**SHORT, **changed}
+def test_every_option_equals_the_oracle(law, told):
+    given = {**SHORT, **changes(told)}
     native, slow = (
         run("paper-simulation", law, seed=2, overrides=given) for run in (simulate, oracle.simulate)
     )
@@ -70,16 +66,14 @@ def test_every_option_equals_the_oracle(law, changed):
 
 
 def test_seed_gives_the_same_bits_for_any_number_of_workers():
-    alone = [simulate("paper-simulation", "nn", seed=seed, overrides=SHORT) for seed in range(6)]
-    with ThreadPoolExecutor(4) as pool:
-        together = list(
-            pool.map(
-                lambda seed: simulate("paper-simulation", "nn", seed=seed, overrides=SHORT),
-                range(6),
-            )
-        )
+    def run(seed):
+        return simulate("paper-simulation", "nn", seed=seed, overrides=SHORT)
 
-    assert all(runs_equal(a, b) for a, b in zip(alone, together, strict=True))
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(run, range(6)))
+    alone = list(map(run, range(6)))
+
+    assert all(map(runs_equal, alone, together))
     assert not runs_equal(alone[0], alone[1])
 
 
@@ -103,10 +97,8 @@ def test_noise_that_is_never_within_its_bound_is_clipped():
 def test_change_acts_on_the_first_plant_step_that_starts_at_it():
     """Without a change both runs agree up to t = 3 s and differ after the next plant step."""
     same, heavier = (
-        simulate(
-            "paper-simulation-nominal", "mb", overrides={"clock.duration": 6.0, "changes": change}
-        )
-        for change in ([], [{"t": 3.0, "m": 65.0}])
+        simulate(preset("paper-simulation-nominal", "clock.duration = 6.0", change), "mb")
+        for change in ("changes = []", "changes = [{t = 3.0, m = 65.0}]")
     )
     apart = np.flatnonzero(same["v1"] != heavier["v1"])
 
@@ -123,23 +115,21 @@ def test_compiled_law_steps_like_the_loop():
 
 
 @pytest.mark.parametrize("law", NAMES)
-@pytest.mark.slow_but("pid", "nn", "prox")
+@pytest.mark.slow_but("nn", "prox")
 def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law):
-    one, good = compile_law(law), SAMPLE
-    one.u[:] = good
+    one = compile_law(law)
+    one.u[:] = SAMPLE
     one.step()
-    kept = one.x.copy()
-    for at, size in itertools.product(
-        range(len(good)), (1.7e308, -1.7e308, 1.1e12, np.inf, np.nan)
-    ):
-        one.u[:] = good
+    kept, places = one.x.copy(), range(len(SAMPLE))
+    for at, size in itertools.product(places, (1.7e308, -1.7e308, 1.1e12, np.inf, np.nan)):
+        one.u[:] = SAMPLE
         one.u[at] = size
         with pytest.raises(ArgumentError, match=re.escape(f"{one.inputs[at]} = ")):
             one.step()
         assert (one.torque == 0).all()
         assert (one.x == kept).all()
-    for at, sign in itertools.product(range(len(good)), (-1.0, 1.0)):
-        one.u[:] = good
+    for at, sign in itertools.product(places, (-1.0, 1.0)):
+        one.u[:] = SAMPLE
         one.u[at] = sign * LARGEST
         assert np.isfinite(one.step()).all()
         assert np.isfinite(one.x).all()
@@ -159,10 +149,3 @@ def test_an_option_of_another_kind_is_refused_by_name(error, message, call):
     """Python allows any value anywhere; each is answered as a wrong one in a file is."""
     with pytest.raises(error, match=f"(?i){message}"):
         call()
-
-
-def test_the_least_of_several_times_is_told(monkeypatch):
-    law = compile_law("pid", "paper-simulation-nominal")
-    monkeypatch.setattr("timeit.repeat", lambda *_, **__: [3.0, 1.0, 2.0])
-
-    assert seconds_of(law) == 1.0

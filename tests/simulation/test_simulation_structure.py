@@ -5,6 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from tests.papers_robot import preset
+from tests.tables import cases
 from wmr_ctrl.codegen import build
 from wmr_ctrl.codegen.build import Program, build_batch, numbers_of
 from wmr_ctrl.control.loop import LoopGraphs
@@ -14,16 +16,16 @@ from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.simulation.engines import runnable_of
 from wmr_ctrl.simulation.many import PREPARING, part, planned_tasks, tabulated
 from wmr_ctrl.world.model.system import values
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import override
 
 BASES = {
-    "plain": {},
-    "everything on": {
-        "disturbance.push": [3.0, 0.5], "disturbance.truncate": 2.0, "sensor.pose_period": 0.04,
-        "sensor.pose_noise": 0.01, "sensor.velocity_noise": [0.002, 0.004], "actuator.lag": 0.02,
-        "actuator.delay": 0.013, "actuator.tau_max": 30.0, "guard.enabled": True,
-    },
-}  # fmt: skip
+    "plain": "",
+    "everything on": """
+        disturbance.push = [3.0, 0.5]; disturbance.truncate = 2.0; sensor.pose_period = 0.04
+        sensor.pose_noise = 0.01; sensor.velocity_noise = [0.002, 0.004]; actuator.lag = 0.02
+        actuator.delay = 0.013; actuator.tau_max = 30.0; guard.enabled = true
+    """,
+}
 TIMES = {"clock.control", "clock.plant", "clock.duration", "actuator.delay", "actuator.lag"}
 FIXED = {*TIMES, "sensor.pose_period", "limits.v_min", "limits.v_max"}
 """What a past command counts for is a number of the graph, and so are all times that it has.
@@ -56,16 +58,11 @@ def _larger(old, most):
 
 @pytest.mark.parametrize(
     "law, base",
-    [
-        ("mb", "everything on"),
-        ("prox", "plain"),
-        pytest.param("nn", "everything on", marks=pytest.mark.slow),
-        pytest.param("kanayama", "plain", marks=pytest.mark.slow),
-    ],
+    cases("mb | everything on\nprox | plain\nnn | everything on | slow\nkanayama | plain | slow"),
 )
 def test_numbers_are_no_part_of_the_structure(law, base):
     """The graphs' text is the same, and the numbers by key are those of a graph built anew."""
-    first = load_scenario("paper-simulation", BASES[base])
+    first = preset("paper-simulation", BASES[base])
     one, other = settle(first, law), settle(nudged(first, law), law)
     texts = [Program(item, structure_of(item)).generated for item in (one, other)]
     fresh = LoopGraphs(other)
@@ -77,46 +74,38 @@ def test_numbers_are_no_part_of_the_structure(law, base):
     assert numbers_of(one, signals) != numbers_of(other, signals)
 
 
-COUNTED = {"encoder.counts": 512}
-SEEN = {"sensor.pose_period": 0.05}
-GUARDED = {"guard.enabled": True}
-
-
 @pytest.mark.parametrize(
     "one, other",
-    [
-        ({}, {"actuator.lag": 0.01}),
-        ({}, {"actuator.delay": 0.02}),
-        ({}, GUARDED),
-        ({}, {"gains.nn.barrier": "smooth"}),
-        ({}, {"reference.kind": "line"}),
-        ({**COUNTED, "encoder.window": 0.02}, {**COUNTED, "encoder.window": 0.03}),
-        ({**SEEN, "sensor.pose_delay": 0.02}, {**SEEN, "sensor.pose_delay": 0.03}),
-        (GUARDED, {**GUARDED, "guard.map": "rotation-first"}),
-    ],
-    ids=str,
+    cases("""
+        robot.mu = 0.08 | actuator.lag = 0.01
+        robot.mu = 0.08 | actuator.delay = 0.02
+        robot.mu = 0.08 | guard.enabled = true
+        robot.mu = 0.08 | gains.nn.barrier = "smooth"
+        robot.mu = 0.08 | reference.kind = "line"
+        encoder.window = 0.02 | encoder.window = 0.03
+        sensor.pose_delay = 0.02 | sensor.pose_delay = 0.03
+        guard.enabled = true | guard.enabled = true; guard.map = "rotation-first"
+    """),
 )
 def test_what_changes_the_graphs_changes_the_structure(one, other):
     """Drives, guard and its map, kinds, and how many samples an effect remembers."""
-    first, second = (
-        settle(load_scenario("paper-simulation", given), "nn") for given in (one, other)
-    )
+    seeing = "encoder.counts = 512; sensor.pose_period = 0.05"
+    first, second = (preset("paper-simulation", seeing, told) for told in (one, other))
 
-    assert structure_of(first) != structure_of(second)
+    assert structure_of(settle(first, "nn")) != structure_of(settle(second, "nn"))
 
 
 def test_a_sweep_over_numbers_builds_its_graphs_once(monkeypatch):
     made = []
 
-    class Counted(LoopGraphs):
-        def __init__(self, *given, **named):
-            made.append(given)
-            super().__init__(*given, **named)
+    def graphs(*given, **named):
+        made.append(given)
+        return LoopGraphs(*given, **named)
 
-    monkeypatch.setattr(build, "LoopGraphs", Counted)
+    monkeypatch.setattr(build, "LoopGraphs", graphs)
     monkeypatch.setattr(build, "_PROGRAMS", {})
-    masses = [{"robot.m": 40.0 + k, "clock.duration": 0.1} for k in range(20)]
-    scenarios = [load_scenario("paper-simulation", mass) for mass in masses]
+    masses = [f"robot.m = {40 + k}; clock.duration = 0.1; changes = []" for k in range(20)]
+    scenarios = [preset("paper-simulation", mass) for mass in masses]
 
     def ready(scenario):
         setup = settle(scenario, "mb")

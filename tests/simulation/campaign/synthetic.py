@@ -18,13 +18,12 @@ def simulate(scenario, law, seed):
     t = 0.1 * np.arange(800)
     wiggle = 0.01 * np.sin(t + seed)
     gap = 0.7 * np.exp(-PACE.get(law, 0.1) * t) + wiggle
-    turn = np.column_stack((gap, 0.5 * gap, 0.1 * gap))
     fast = 3.0 if law in ("pid", "smc") or scenario.startswith("far") else 0.9
     weights = {"W_norm": np.outer(1 + t, (1.0, 2.0))} if law == "nn" else {}
     return build(
         duration=80.0,
         control=0.1,
-        monitor=_monitor(fast),
+        monitor=Monitor((fast, 0.5), 40, (0.1, 1)) if fast > 1.0 else Monitor((fast, 0.5)),
         extra=(W_NORM,) if weights else (),
         labels={"scenario": scenario, "law": law, "seed": seed},
         x=2 * np.sin(0.1 * t) + gap,
@@ -38,7 +37,7 @@ def simulate(scenario, law, seed):
         v1_d=0.2,
         tau_right=3 + 40 * gap,
         tau_left=3 - 20 * gap,
-        e=turn,
+        e=np.outer(gap, (1.0, 0.5, 0.1)),
         V1=gap**2 + 1e-6,
         margin=1 - np.abs(0.2 + gap),
         **weights,
@@ -46,10 +45,7 @@ def simulate(scenario, law, seed):
 
 
 @contextmanager
-def made_up(
-    simulate=simulate,
-    asked=lambda case: None,
-):
+def made_up(simulate=simulate, asked=lambda case: None):
     """Within it campaigns need no compiling, ``asked`` hears of each loop: functions of a seed."""
 
     def build(case, device="cpu"):
@@ -64,12 +60,7 @@ def made_up(
         yield
 
 
-def in_turn(
-    runs,
-    then,
-    jobs=None,
-    progress=None,
-):
+def in_turn(runs, then, jobs=None, progress=None):
     """A stand-in for what runs many loops at a time."""
     results = []
     for place, (loop, seed) in enumerate(runs):
@@ -77,9 +68,3 @@ def in_turn(
         if progress:
             progress((place + 1) / len(runs))
     return results
-
-
-def _monitor(largest):
-    if largest <= 1.0:
-        return Monitor((largest, 0.5))
-    return Monitor((largest, 0.5), 40, (0.1, 1))

@@ -12,35 +12,7 @@ STUDY = Study("paper-simulation")
 PLAN = [run for seed in (4, 3, 5) for run in STUDY.planned(("mb", "nn"), [seed])]
 
 
-@pytest.fixture
-def fake():
-    with made_up():
-        yield
-
-
-@pytest.mark.usefixtures("fake")
-def test_rows_stand_in_the_order_of_the_plan():
-    table = run_campaign(PLAN).table
-
-    planned = [{**case.labels, "seed": seed} for case, seed in PLAN]
-    assert [{name: row[name] for name in planned[0]} for row in table.records()] == planned
-
-
-def test_a_study_that_changes_fields_has_its_own_name_and_rows():
-    asked = []
-    own = Study("paper-simulation", 1, "mine", "title", overrides={"clock.control": 0.001})
-    with made_up(asked=asked.append):
-        done = run_campaign([*STUDY.planned(["mb"], [0]), *own.planned(["mb"], [0])])
-
-    assert done.table.different("case") == ("paper-simulation", "mine")
-    assert set(done.runs) == {("paper-simulation", "mb"), ("mine", "mb")}
-    assert [(case.scenario, case.overrides) for case in asked] == [
-        ("paper-simulation", {}),
-        ("paper-simulation", {"clock.control": 0.001}),
-    ]
-
-
-def test_every_case_is_compiled_once_before_the_first_run():
+def test_rows_stand_in_the_order_of_the_plan_and_each_case_is_compiled_once_before_all_runs():
     calls = []
 
     def counted(scenario, law, seed):
@@ -48,8 +20,10 @@ def test_every_case_is_compiled_once_before_the_first_run():
         return simulate(scenario, law, seed)
 
     with made_up(counted, lambda case: calls.append((case.scenario, case.law))):
-        run_campaign(PLAN)
+        table = run_campaign(PLAN).table
 
+    planned = [{**case.labels, "seed": seed} for case, seed in PLAN]
+    assert [{name: row[name] for name in planned[0]} for row in table.records()] == planned
     assert calls == [("paper-simulation", "mb"), ("paper-simulation", "nn"), *["run"] * 6]
 
 
@@ -68,8 +42,7 @@ def test_a_failure_ends_the_campaign(error):
     assert len(begun) == 2
 
 
-@pytest.mark.usefixtures("fake")
 @pytest.mark.parametrize("wrong", [{"jobs": 0}, {"plan": []}])
 def test_impossible_campaigns_are_refused(wrong):
-    with pytest.raises(ArgumentError):
+    with made_up(), pytest.raises(ArgumentError):
         run_campaign(**{"plan": PLAN, **wrong})

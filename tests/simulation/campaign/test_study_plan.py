@@ -2,10 +2,13 @@
 
 import csv
 import math
+from tomllib import loads
 
 import pytest
 
 from tests.simulation.campaign.studies import PLAN, table_of
+from tests.tables import cases
+from wmr_ctrl.core import errors
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.simulation.campaign.study_plan import load_plan, plan_of
 
@@ -22,20 +25,20 @@ def test_every_combination_has_one_row_in_the_order_of_the_index(tmp_path):
 
 @pytest.mark.parametrize(
     "changed",
-    [
-        {"seeds": {"count": 6}},
-        {"seeds": {"count": 5, "first": 1}},
-        {"stop": {"figure": "violated", "half_width": 0.1}},
-        {"stop": {"figure": "violated", "half_width": 0.2}},
-        {"figures": ["ise_total"]},
-        {"plant": "mujoco"},
-        {"set": {"robot.I": 6.0}},
-        {"sample": {**PLAN["sample"], "seed": 4}},
-    ],
+    cases("""
+        seeds = {count = 6}
+        seeds = {count = 5, first = 1}
+        stop = {figure = "violated", half_width = 0.1}
+        stop = {figure = "violated", half_width = 0.2}
+        figures = ["ise_total"]
+        plant = "mujoco"
+        set = {"robot.I" = 6.0}
+        sample = {method = "latin-hypercube", n = 3, robot = {mu = [0.05, 0.1]}, seed = 4}
+    """),
 )
 def test_a_study_is_identified_by_all_that_determines_its_results(changed):
     assert plan_of({**PLAN, "seeds": {"count": 5}, "chunk": 9}).identity == IDENTITY
-    assert plan_of({**PLAN, "seeds": {"count": 5}, **changed}).identity != IDENTITY
+    assert plan_of({**PLAN, "seeds": {"count": 5}, **loads(changed)}).identity != IDENTITY
 
 
 IDENTITY = plan_of({**PLAN, "seeds": {"count": 5}}).identity
@@ -51,41 +54,37 @@ def test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata():
 
 
 @pytest.mark.parametrize(
-    "changes, error, words",
-    [
-        ({"grid": {"robot.mm": [1]}}, ScenarioError, "robot.mm"),
-        ({"grid": {"robot.m": []}}, ArgumentError, "at least one value"),
-        ({"grid": {"robot.m": [50, -1]}}, ScenarioError, "robot.m"),
-        ({"grid": {"robot.mu": [0.1]}}, ArgumentError, "not both"),
-        ({"set": {"robot.m": 50}}, ArgumentError, r"robot\.m: .* \[set\] and \[grid\]"),
-        ({"set": {"robot": {"mu": 0.1}}}, ArgumentError, r"robot\.mu: .*\[set\] and \[sample\]"),
-        ({"figures": ["speed"]}, UnknownNameError, "speed"),
-        ({"figures": ["slipped"]}, UnknownNameError, "slipped"),
-        ({"plant": "bullet"}, ScenarioError, "mujoco"),
-        ({"seeds": 10**12}, ArgumentError, "at most 1e\\+09"),
-        ({"seeds": 0}, ScenarioError, "seeds = 0 must be at least 1"),
-        ({"sample": {"robot.mu": [0.1, 0.1]}}, ArgumentError, "range"),
-        ({"sample": {"seed": -1, "robot.mu": [0, 1]}}, ScenarioError, "sample.seed = -1"),
-        ({"sample": {"method": "sobl", "robot.mu": [0, 1]}}, ScenarioError, "near: sobol"),
-        ({"sample": {"sed": 1, "robot.mu": [0, 1]}}, ScenarioError, "near: seed"),
-        ({"stop": {"figure": "violated"}}, ScenarioError, "half_width is missing"),
-        ({"stop": {"figur": "violated"}}, UnknownNameError, "near: figure"),
-        ({"stop": 3}, ScenarioError, r"written as \[stop\]"),
-        ({"stop": {"figure": "tau_rms", "half_width": 0.1}}, UnknownNameError, "tau_rms"),
-        ({"grids": {}}, UnknownNameError, "grid"),
-        ({"laws": []}, ScenarioError, "laws"),
-        ({"guard": ["yes"]}, ScenarioError, r"guard.*\[false, true\]"),
-        (
-            {"grid": {"guard.enabled": [False, True]}},
-            ArgumentError,
-            r"\[grid\].*`guard` at the top",
-        ),
-        ({"guard": [True], "set": {"guard.enabled": False}}, ArgumentError, r"\[set\].*`guard`"),
-    ],
+    "changed, error, words",
+    cases(r"""
+        grid = {"robot.mm" = [1]} | ScenarioError | robot.mm
+        grid = {"robot.m" = []} | ArgumentError | at least one value
+        grid = {"robot.m" = [50, -1]} | ScenarioError | robot.m
+        grid = {"robot.mu" = [0.1]} | ArgumentError | not both
+        set = {"robot.m" = 50} | ArgumentError | robot\.m: .* \[set\] and \[grid\]
+        set = {robot = {mu = 0.1}} | ArgumentError | robot\.mu: .*\[set\] and \[sample\]
+        figures = ["speed"] | UnknownNameError | speed
+        figures = ["slipped"] | UnknownNameError | slipped
+        plant = "bullet" | ScenarioError | mujoco
+        seeds = 1000000000000 | ArgumentError | at most 1e\+09
+        seeds = 0 | ScenarioError | seeds = 0 must be at least 1
+        sample = {"robot.mu" = [0.1, 0.1]} | ArgumentError | range
+        sample = {seed = -1, "robot.mu" = [0, 1]} | ScenarioError | sample.seed = -1
+        sample = {method = "sobl", "robot.mu" = [0, 1]} | ScenarioError | near: sobol
+        sample = {sed = 1, "robot.mu" = [0, 1]} | ScenarioError | near: seed
+        stop = {figure = "violated"} | ScenarioError | half_width is missing
+        stop = {figur = "violated"} | UnknownNameError | near: figure
+        stop = 3 | ScenarioError | written as \[stop\]
+        stop = {figure = "tau_rms", half_width = 0.1} | UnknownNameError | tau_rms
+        grids = {} | UnknownNameError | grid
+        laws = [] | ScenarioError | laws
+        guard = ["yes"] | ScenarioError | guard.*\[false, true\]
+        set = {"guard.enabled" = false} | ArgumentError | \[set\].*`guard`
+        grid = {"guard.enabled" = [false, true]} | ArgumentError | \[grid\].*`guard` at the top
+    """),
 )
-def test_a_bad_plan_is_refused_by_its_key(changes, error, words):
-    with pytest.raises(error, match=words):
-        plan_of({**PLAN, **changes})
+def test_a_bad_plan_is_refused_by_its_key(changed, error, words):
+    with pytest.raises(getattr(errors, error), match=words):
+        plan_of({**PLAN, **loads(changed)})
 
 
 def test_a_plan_without_a_key_is_refused(tmp_path):

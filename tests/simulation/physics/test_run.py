@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from tests.papers_robot import preset
+from tests.tables import cases
 from wmr_ctrl import simulate
 from wmr_ctrl.core.signals import PLANT_STATE, RIGID
 from wmr_ctrl.simulation.coupled import Coupled
@@ -14,19 +16,18 @@ SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
 
 
 @pytest.mark.parametrize(
-    "law, overrides",
-    [
-        ("mb", {"disturbance.push": [5.0, 1.0]}),
-        ("nn", {"sensor.velocity_noise": [0.01, 0.02], "sensor.pose_noise": 0.01}),
-        ("prox", {"actuator.delay": 0.013, "guard.enabled": True, "disturbance.truncate": 3.0}),
-    ],
+    "law, told",
+    cases("""
+        mb | disturbance.push = [5.0, 1.0]
+        nn | sensor.velocity_noise = [0.01, 0.02]; sensor.pose_noise = 0.01 | slow
+        prox | actuator.delay = 0.013; guard.enabled = true; disturbance.truncate = 3.0 | slow
+    """),
 )
-@pytest.mark.slow_but("mb-overrides0")
-def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, overrides):
+def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, told):
     """Shown the states of a native run, it logs what that run logged."""
-    chosen = {"clock.duration": 2.0, **overrides}
-    run = simulate("paper-simulation", law, seed=5, overrides=chosen)
-    loop = runnable(load_scenario("paper-simulation", chosen), law, "mujoco")
+    chosen = preset("paper-simulation", "clock.duration = 2.0", told)
+    run = simulate(chosen, law, seed=5)
+    loop = runnable(chosen, law, "mujoco")
     coupled = Coupled(loop.compiled, 5, loop.scenario.clock.plant)
     names = [name for item in loop.compiled.layout.columns for name in item.elements]
     native = np.column_stack([run[name] for name in names])
@@ -42,11 +43,9 @@ def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, overrides
     assert coupled.monitor().max_abs_v <= run.monitor.max_abs_v
 
 
-@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
-@pytest.mark.slow_but("mb")
-def test_below_traction_it_is_the_plane_model(law):
+def test_below_traction_it_is_the_plane_model():
     rigid, plane = (
-        simulate("paper-simulation", law, seed=11, plant=plant, overrides=SHORT)
+        simulate("paper-simulation", "mb", seed=11, plant=plant, overrides=SHORT)
         for plant in ("mujoco", "ode")
     )
     assert rigid.outcome == plane.outcome == "completed"

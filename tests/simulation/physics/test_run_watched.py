@@ -13,44 +13,35 @@ from wmr_ctrl.world.scenario import override
 H = 0.001
 
 
-class Body:
-    """A body that is what a list says, one entry a plant step."""
+def watched(*rows):
+    """The coupling of a body whose slips, wheel speeds, tilt and tip margin are rows by step."""
+    coupling, left = object.__new__(Coupling), [*rows]
+    body = SimpleNamespace(plane_state=(0.0,) * 7)
 
-    def __init__(self, slips, wheels, tilts, margins):
-        self._k, self._rows = 0, list(zip(slips, wheels, tilts, margins, strict=True))
-        self.plane_state = (0.0,) * 7
+    def step(_acting):
+        body.slip, body.wheels, body.tilt, body.tip_margin = left.pop(0)
 
-    def step(self, acting):
-        self._k += 1
-
-    def __getattr__(self, name):
-        slip, wheels, tilt, margin = self._rows[self._k]
-        return {"slip": slip, "wheels": wheels, "tilt": tilt, "tip_margin": margin}[name]
-
-
-def watched(slips, wheels, tilts, margins):
-    coupling = object.__new__(Coupling)
-    coupling.body, coupling.scenario = Body(slips, wheels, tilts, margins), paper()
-    coupling.clock = SimpleNamespace(substeps=1, plant=H)
-    coupling.loop = SimpleNamespace(
+    body.step = step
+    step(())
+    loop = SimpleNamespace(
         sampled=lambda state: [0.0], acting=lambda held: (), ends=lambda state, reached: False
     )
     vars(coupling).update(
+        body=body, loop=loop, scenario=paper(), clock=SimpleNamespace(substeps=1, plant=H),
         _changes={}, _row=1, _reached=0, _slip=0.0, _wheel=0.0, _tilt=0.0, _slipped=None,
         _tipped=None, _margin=1.0,
     )  # fmt: skip
     coupling.ended = coupling._watched()
-    while coupling._reached < len(slips) - 1 and not coupling.ended:
+    while left and not coupling.ended:
         coupling.sample()
     return coupling
 
 
 def test_extremes_of_both_wheels_and_first_events_are_kept():
-    slips = [(0.0, 0.0), (0.05, -0.2), (0.3, 0.0), (0.0, 0.0), (0.0, 0.4)]
-    wheels = [(1.0, 1.0), (2.0, -9.0), (4.0, 1.0), (1.0, 1.0), (1.0, 1.0)]
-    tilts, margins = [0.1, 0.4, 0.2, 0.0, 0.0], [0.9, 0.8, 0.2, 0.7, 0.95]
-
-    seen = watched(slips, wheels, tilts, margins).seen
+    seen = watched(
+        ((0.0, 0.0), (1.0, 1.0), 0.1, 0.9), ((0.05, -0.2), (2.0, -9.0), 0.4, 0.8),
+        ((0.3, 0.0), (4.0, 1.0), 0.2, 0.2), ((0.0, 0.4), (1.0, 1.0), 0.0, 0.95),
+    ).seen  # fmt: skip
 
     assert (seen.max_slip, seen.max_wheel_speed, seen.max_tilt) == (0.4, 9.0, 0.4)
     assert seen.least_tip_margin == 0.2
@@ -58,8 +49,8 @@ def test_extremes_of_both_wheels_and_first_events_are_kept():
 
 
 def test_it_ends_where_the_robot_has_tipped():
-    still = [(0.0, 0.0)] * 5
-    coupling = watched(still, still, [0.0, 0.5, 0.51, 0.0, 0.0], [1.0] * 5)
+    still = (0.0, 0.0), (0.0, 0.0)
+    coupling = watched(*((*still, tilt, 1.0) for tilt in (0.0, 0.5, 0.51, 0.0, 0.0)))
 
     assert coupling.ended
     assert (coupling.seen.tipped, coupling._reached) == (pytest.approx(2 * H), 2)

@@ -3,52 +3,21 @@
 import os
 import sys
 
-import numpy as np
 import pytest
 
 import wmr_ctrl
+from tests.simulation.campaign.studies import PLAN
 from tests.simulation.physics.test_run import SHORT
-from wmr_ctrl import simulate, simulate_many
-from wmr_ctrl.core.errors import (
-    ArgumentError,
-    MissingExtraError,
-    ScenarioError,
-    WmrError,
-)
-from wmr_ctrl.results import summary
+from wmr_ctrl import simulate_many
+from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, ScenarioError, WmrError
 from wmr_ctrl.simulation.physics.workers import make_each
 
 BRIEF = SHORT | {"clock.duration": 0.5}
-PLAN = {
-    "scenario": "paper-simulation",
-    "plant": "mujoco",
-    "laws": ["mb"],
-    "seeds": 2,
-    "set": {"clock.duration": 0.5},
-    "grid": {"actuator.tau_max": [10.0, 60.0]},
-    "figures": ["violated", "position_rms", "slipped", "settling_time"],
-}
 
 
-@pytest.mark.slow
-def test_overrides_and_starts_may_differ_by_run():
-    starts = [[0.3, -0.2, 0.5, 0.1, 0.0], [0.0, 0.0, -1.0, 0.0, 0.2]]
-    changed = [BRIEF | {"body.tyre": tyre} for tyre in (0.8, 0.02)]
-    table = simulate_many(
-        "paper-simulation", "mb", [1, 1], changed, plant="mujoco", jobs=1, starts=starts
-    )
-    begun = BRIEF | {"initial.pose": starts[0][:3], "initial.velocity": starts[0][3:]}
-    alone = simulate("paper-simulation", "mb", seed=1, plant="mujoco", overrides=begun)
-    assert table["position_rms"][0] == summary(alone)["position_rms"]["all"]
-    assert np.isnan(table["slipped"][0])
-    assert table["slipped"][1] < 0.2
-
-
-def test_an_error_of_a_run_is_raised(monkeypatch):
-    refused = ScenarioError("body.x: no.")
-
+def test_an_error_of_a_run_is_raised():
     def refuse(loop, seed):
-        raise refused
+        raise ScenarioError("body.x: no.")
 
     with pytest.raises(ScenarioError, match=r"body\.x"):
         make_each(refuse, [(None, 0)], 1)
@@ -71,5 +40,5 @@ def test_without_the_package_nothing_is_begun(monkeypatch, tmp_path):
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
         simulate_many("paper-simulation", "mb", [0], BRIEF, plant="mujoco")
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[physics\]"):
-        wmr_ctrl.study(PLAN, tmp_path / "s")
+        wmr_ctrl.study({**PLAN, "plant": "mujoco"}, tmp_path / "s")
     assert not (tmp_path / "s").exists()

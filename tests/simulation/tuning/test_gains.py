@@ -8,20 +8,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.papers_robot import safe
 from wmr_ctrl import tune
 from wmr_ctrl.results.table import RunTable
 from wmr_ctrl.simulation.tuning import gains, judged
 from wmr_ctrl.simulation.tuning.search import Cost, TuningPlan
-from wmr_ctrl.world.scenario import Model, load_scenario
+from wmr_ctrl.world.scenario import Model
 
-TOLD = {"robot.m": 55.0, "robot.I": 6.0, "model.m": 50.0, "model.I": 5.0, "model.mu": 0.07,
-        "gains.mb.rho": [60.0, 20.0]}  # fmt: skip
+TOLD = """
+robot.m = 55.0; robot.I = 6.0; model.m = 50.0; model.I = 5.0; model.mu = 0.07
+gains.mb.rho = [60.0, 20.0]
+"""
 NAMES = ("tracking_drive_rms", "torque_change_rms", "max_abs_v1", "max_abs_v2")
 
 
 @pytest.fixture
 def guarded():
-    return load_scenario("safe-simulation", TOLD)
+    return safe(TOLD)
 
 
 @pytest.fixture
@@ -29,7 +32,7 @@ def runs(monkeypatch):
     """Cases and seeds of all runs; their figures are their numbers, each run's squared."""
     asked = SimpleNamespace(cases=[], seeds=[], stop={})
 
-    def table_of(plant, cases, law, seeds, *, figures, jobs):
+    def table_of(plant, cases, law, seeds, **_):
         numbers = np.arange(len(cases)) + len(asked.cases)
         asked.cases += cases
         asked.seeds += seeds
@@ -86,7 +89,7 @@ def test_what_was_found_is_told_in_order(guarded, monkeypatch, tmp_path):
     """Of runs that cost less from call to call, with a corridor as wide as the gain is large."""
     calls = count()
 
-    def table_of(plant, cases, law, seeds, *, figures, jobs):
+    def table_of(plant, cases, *_, **__):
         size = np.array([case.gains["mb"]["rho"][0] for case in cases]) / (1 + next(calls))
         return RunTable({**dict.fromkeys(NAMES, 0.001 * size), "stop": 0 * size})
 

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import wmr_ctrl
+from tests.tables import cases
 from wmr_ctrl.cli import root
 from wmr_ctrl.core.errors import ArgumentError, MissingExtraError, UnknownNameError
 from wmr_ctrl.simulation.tuning.search import Cost, Search
@@ -56,29 +57,23 @@ def test_without_the_extra_it_says_what_to_install(short, tmp_path, monkeypatch)
 
 @pytest.mark.parametrize(
     "given, told",
-    [
-        (("--seeds", "3"), "not a range of seeds"),
-        (("--seeds", "5:5"), "not a range of seeds"),
-        (("--seeds", "1:9", "--test-seeds", "8:12"), "8 serves training and test alike"),
-        (("--trials", "0"), "--trials"),
-        (("--weight", "nan"), "weight"),
-        (("--out", "a.csv"), "must end in .toml"),
-        (("--out", "no/a.toml"), "Create the folder first"),
-        (("--law", "lqr"), "no law is named"),
-        (
-            ("--hold", "gains.x,gains.pid.Kp"),
-            '"gains.pid.Kp" would not change anyway; a search for prox varies gains.prox.rho',
-        ),
-        (
-            ("--hold", "gains.prox.rho,gains.prox.wo", "--hold", "gains.kinematics.k"),
-            "these are all",
-        ),
-        (("--set", "gains.prox.wo=0"), "above zero"),
-    ],
+    cases("""
+        --seeds 3 | not a range of seeds
+        --seeds 5:5 | not a range of seeds
+        --seeds 1:9 --test-seeds 8:12 | 8 serves training and test alike
+        --trials 0 | --trials
+        --weight nan | weight
+        --out a.csv | must end in .toml
+        --out no/a.toml | Create the folder first
+        --law lqr | no law is named
+        --hold gains.x,gains.pid.Kp | "gains.pid.Kp" would not change anyway; a search for prox
+        --hold gains.prox.rho,gains.prox.wo --hold gains.kinematics.k | these are all
+        --set gains.prox.wo=0 | above zero
+    """),
 )
 def test_bad_input_is_one_paragraph(given, told, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    line = ["tune", "paper-simulation", "--law", "prox", "--out", "a.toml", *given]
+    line = ["tune", "paper-simulation", "--law", "prox", "--out", "a.toml", *given.split()]
     done = CliRunner().invoke(root, line)
 
     assert done.exit_code == 2

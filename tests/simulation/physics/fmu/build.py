@@ -7,23 +7,23 @@ from functools import cache
 from pathlib import Path
 
 import mujoco
+import numpy as np
 import pytest
 
 from tests.compilers import compile_in, where
-from tests.simulation.physics.states import state_of
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.simulation.physics.rigid import RigidBody, description
 
-INPUTS = {"motor_right": "N.m", "motor_left": "N.m", "force": "N", "moment": "N.m"}
-OUTPUTS = {
-    "axle_x": "m", "axle_y": "m", "yaw": "rad", "forward": "m/s", "turning": "rad/s",
-    "rolled": "m", "turned": "rad", "wheel_right": "rad/s", "wheel_left": "rad/s",
-    "slip_right": "m/s", "slip_left": "m/s", "tilt": "rad",
-}  # fmt: skip
-"""Names and units, in the order of rigid.c."""
+INPUTS = ("motor_right", "motor_left", "force", "moment")
+OUTPUTS = (
+    "axle_x", "axle_y", "yaw", "forward", "turning", "rolled", "turned", "wheel_right",
+    "wheel_left", "slip_right", "slip_left", "tilt",
+)  # fmt: skip
+"""In the order of rigid.c."""
 MAP = """
 [plant]
 step = {step!r}
+units = "SI"
 [plant.inputs]
 motor_right = "torque_right"
 motor_left = "torque_left"
@@ -40,16 +40,11 @@ BODY = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="rigid" guid="{{wmr-rigid}}"
                      numberOfEventIndicators="0">
   <CoSimulation modelIdentifier="rigid" canHandleVariableCommunicationStepSize="true"/>
-  <UnitDefinitions>{units}</UnitDefinitions>
   <ModelVariables>{variables}</ModelVariables>
   <ModelStructure><Outputs>{outputs}</Outputs><InitialUnknowns>{outputs}</InitialUnknowns>
   </ModelStructure>
 </fmiModelDescription>
 """
-UNITS = {
-    "N.m": 'kg="1" m="2" s="-2"', "N": 'kg="1" m="1" s="-2"', "m": 'm="1"', "rad": 'rad="1"',
-    "m/s": 'm="1" s="-1"', "rad/s": 'rad="1" s="-1"',
-}  # fmt: skip
 
 
 def build_rigid(scenario, folder):
@@ -85,21 +80,24 @@ def library():
 def start(scenario):
     """What a run of the body starts from, to the bit."""
     body, robot = RigidBody(scenario), scenario.robot
-    state = state_of(body).tolist()
+    kind = mujoco.mjtState.mjSTATE_INTEGRATION
+    state = np.empty(mujoco.mj_stateSize(body.model, kind))
+    mujoco.mj_getState(body.model, body.data, state, kind)
     head = (robot.r, robot.l, scenario.initial.pose[2], body.pose[2])
-    return "\n".join([*map(float.hex, head), str(len(state)), *map(float.hex, state)]) + "\n"
+    return (
+        "\n".join([*map(float.hex, head), str(len(state)), *map(float.hex, state.tolist())]) + "\n"
+    )
 
 
 def described():
     """The model description."""
-    units = "".join(f'<Unit name="{n}"><BaseUnit {b}/></Unit>' for n, b in UNITS.items())
-    rows = [(name, unit, "input", ' start="0"') for name, unit in INPUTS.items()]
-    rows += [(name, unit, "output", "") for name, unit in OUTPUTS.items()]
+    rows = [(name, "input", ' start="0"') for name in INPUTS]
+    rows += [(name, "output", "") for name in OUTPUTS]
     variables = "".join(
         f'<ScalarVariable name="{name}" valueReference="{i}" causality="{kind}" '
-        f'variability="continuous"><Real unit="{unit}"{first}/></ScalarVariable>'
-        for i, (name, unit, kind, first) in enumerate(rows)
+        f'variability="continuous"><Real{first}/></ScalarVariable>'
+        for i, (name, kind, first) in enumerate(rows)
     )
-    first = len(INPUTS) + 1
-    outputs = "".join(f'<Unknown index="{first + i}"/>' for i in range(len(OUTPUTS)))
-    return BODY.format(units=units, variables=variables, outputs=outputs)
+    places = range(len(INPUTS) + 1, len(rows) + 1)
+    outputs = "".join(f'<Unknown index="{place}"/>' for place in places)
+    return BODY.format(variables=variables, outputs=outputs)
