@@ -2,7 +2,7 @@
 
 The function builds the relations; the first paragraph of its docstring is the claim's wording
 (without its final period), the second its meaning for a robot, the last its hypotheses, in which a
-name in braces stands for a text of the file:
+name in braces stands for a text of `shared.toml`:
 
     claim = Claims(by=Z3())
 
@@ -18,16 +18,19 @@ name in braces stands for a text of the file:
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from inspect import signature
 from typing import Any, TypeVar
 
+from wmr_ctrl.core.data import data
+
 from .methods.spec import Method
 from .statement import Statement, joined
 
+SHARED = data(__package__, "shared.toml")
+"""Texts that hypotheses share, by name."""
 PRINTED, CORRECTED, OURS = "printed", "corrected", "ours"
 Written = TypeVar("Written", bound=Callable[..., Statement | None])
 
@@ -116,9 +119,11 @@ class Claims:
 
         def enter(function: Written) -> Written:
             for table in over or (values,):
-                text = partial(_filled, values=table)
+                known = {**SHARED, **table}
+                text = partial(_filled, values=known if table else {})
                 claimed, _, rest = (function.__doc__ or "").partition("\n\n")
                 meaning, _, told = rest.partition("Given: ")
+                told = told or (self.given if given is None else given)
                 method = _asked(way, table)() if callable(way) else way
                 engine = method if isinstance(method, Method) else None
                 called: Callable[..., Statement] = _asked(function, table)
@@ -129,8 +134,7 @@ class Claims:
                         text(id), table.get("equations", equations), form or self.form,
                         text(wording or claimed).removesuffix("."),
                         text(meaning.strip() or self.meaning),
-                        _filled(told, {**_texts(function), **table}).removesuffix(".")
-                        or text(self.given if given is None else given),
+                        _filled(told, known).removesuffix("."),
                         called if engine else None, engine, "" if engine else str(method),
                         tuple(text(self.premises if premises is None else premises).split()),
                     )
@@ -165,12 +169,6 @@ def _filled(text: str, values: Mapping[str, Any]) -> str:
     while values and "{" in line:
         line = line.format(**values)
     return line
-
-
-def _texts(function: Callable[..., Any]) -> dict[str, str | int]:
-    """Texts and numbers of the function's file, by name."""
-    return {name: text for name, text in vars(sys.modules[function.__module__]).items()
-            if isinstance(text, str | int)}  # fmt: skip
 
 
 def _asked(function: Callable[..., Any], values: Mapping[str, Any]) -> Callable[..., Any]:

@@ -33,10 +33,6 @@ def test_ids_are_unique_and_those_of_the_committed_ledger():
     assert [entry.id for entry in load().entries] == IDS
 
 
-KEPT = "0 <= n <= {LARGEST}"
-LARGEST = 7
-
-
 def test_docstring_has_words_meaning_and_hypotheses():
     claim = Claims(by="HAND", given="another default")
 
@@ -46,12 +42,12 @@ def test_docstring_has_words_meaning_and_hypotheses():
 
         The {axis} axis is limited.
 
-        Given: {axis} real; {KEPT}.
+        Given: {axis} real; {INTERVALS}.
         """
 
     (found,) = claim.listed
     assert (found.id, found.claim, found.meaning) == ("of.v", "v <= V", "The v axis is limited.")
-    assert found.hypotheses == "v real; 0 <= n <= 7"
+    assert found.hypotheses == "v real; 0 < K_min <= K <= K_max, |d| <= dbar < V"
 
 
 def test_each_argument_by_hand_names_its_theorem_and_what_would_break_it():

@@ -14,13 +14,13 @@ from wmr_proofs.regions import at, axis_case, off_target_cases, open_cases
 from wmr_proofs.statement import Statement, equal, symbols
 
 from . import authority_table as table
-from .common import OFF_EDGES, BarrierAxis, barrier_axis
+from .common import BarrierAxis, barrier_axis
 
 LIMIT_BOX = {"s": (Fraction("1e-300"), Fraction("0.99"))}
 LIMIT_CUTS = {"s": [Fraction(f"1e-{k}") for k in (120, 40, 12, 6, 4, 3, 2, 1)]}
-PAPER = "paper limits and gains, v_c0' = 0, |v| below the clip; mirrored for v_c0 < 0"
+
 AXES = rows(axis=(0, 1), name=("linear", "angular"), unit=("m/s^2", "rad/s^2"))
-claim = Claims(given=PAPER)
+claim = Claims(given="{AUTHORITY_PAPER}")
 
 
 def of_axis(points: Callable[[int], Sequence[Point]]) -> Callable[[int], Table]:
@@ -31,7 +31,6 @@ def of_axis(points: Callable[[int], Sequence[Point]]) -> Callable[[int], Table]:
 @claim(
     "authority.falls",
     (9,),
-    given=OFF_EDGES + "; v_c0 >= 0, v != v_c1 (A != 0)",
     by=Ring(off_target_cases(), log_lemma=True),
     premises="P3 lemma.log",
 )
@@ -39,17 +38,21 @@ def falls_with_target(mutation: Mutation) -> Statement:
     """V1/A falls as v_c0 rises: its derivative times A^2 is V1 - A w <= -w^2/2.
 
     The farther the robot is from where it should be, the weaker the barrier.
+
+    Given: {OFF_EDGES}; v_c0 >= 0, v != v_c1 (A != 0).
     """
     a = BarrierAxis()
     slope = ca.gradient(a.V / a.A, a.all[1]) * a.A**2
     return a.states(slope == mutation * a.V - a.w * a.A, -0.5 * a.w**2 >= slope)
 
 
-@claim("authority.rises", (74, 75), given=OFF_EDGES, by=Ring(open_cases()))
+@claim("authority.rises", (74, 75), by=Ring(open_cases()))
 def rises(mutation: Mutation) -> Statement:
     """V1 and A rise with v beyond v_c1.
 
     Used to bound V1/A between two velocities.
+
+    Given: {OFF_EDGES}.
     """
     a, v, _, _, _ = barrier_axis()
     rise = ca.gradient(a.A, v)
@@ -83,7 +86,7 @@ def high(mutation: Mutation) -> Statement:
 
     A larger constant disturbance pushes the robot over its limit, whatever the law does.
 
-    Given: {PAPER}; below v_c1 + bound/rho by P5; no gap by authority.links.
+    Given: {AUTHORITY_PAPER}; below v_c1 + bound/rho by P5; no gap by authority.links.
     """
     a, v, c, u1, u2 = barrier_axis()
     t = a | symbols("b rho high", "rho")

@@ -9,14 +9,14 @@ from wmr_proofs.paper_functions import total_barrier
 from wmr_proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
 from wmr_proofs.statement import Statement, above, equal
 
-from .common import ALL_LIMITS, OFF_EDGES, BarrierAxis, barrier_axis
+from .common import BarrierAxis, barrier_axis
 
 PAIRS = paired_cases()
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)
 FAR = tuple(c for c in target_cases(edges=False) if "far" in c.label)
 NEAR = tuple(c for c in all_cases() if c.label.startswith(("v_c0 near", "v_c0 zero")))
 IN_R2 = (at(c=3, u1=1, u2="4/5"),)
-claim = Claims(by=Ring(open_cases()), form=PRINTED, given=ALL_LIMITS)
+claim = Claims(by=Ring(open_cases()), form=PRINTED, given="{ALL_LIMITS}")
 
 
 @claim("eq12", (12, 13, 14, 15, 16), by=Ring(all_cases()))
@@ -31,11 +31,13 @@ def parts(mutation: Mutation) -> Statement:
     return a.states(equal(a.V, written))
 
 
-@claim("eq19", (19,), given=OFF_EDGES, by=Ring(PAIRS, spare=12))
+@claim("eq19", (19,), by=Ring(PAIRS, spare=12))
 def two_axes(mutation: Mutation) -> Statement:
     """V1 = V11 + V12.
 
     Each axis can be treated separately.
+
+    Given: {OFF_EDGES}.
     """
     one, two = BarrierAxis("1"), BarrierAxis("2")
     columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
@@ -104,21 +106,25 @@ def stationary(mutation: Mutation) -> Statement:
     return a.states(size + mutation / (u1 - size) == abs(c))
 
 
-@claim("eq74", (10, 74), given=OFF_EDGES)
+@claim("eq74", (10, 74))
 def slope(mutation: Mutation) -> Statement:
     """dV1i/dv = A_i.
 
     A is the slope of the barrier function.
+
+    Given: {OFF_EDGES}.
     """
     a = BarrierAxis()
     return a.states(ca.gradient(a.V, a.all[0]) == mutation * a.A)
 
 
-@claim("eq75", (11, 75), given=OFF_EDGES)
+@claim("eq75", (11, 75))
 def curvature(mutation: Mutation) -> Statement:
     """d2V1i/dv2 = 1 + h/(v_u1 - |v|)^2 >= 1 (the printed indices mix the axes).
 
     The barrier function is at least as curved as a plain square.
+
+    Given: {OFF_EDGES}.
     """
     a, v, _, u1, u2 = barrier_axis()
     second = ca.hessian(a.V, v)[0]
@@ -177,11 +183,13 @@ def eq79(mutation: Mutation) -> Statement:
     return flat_at_target(mutation)
 
 
-@claim("eq80", (80,), given=OFF_EDGES)
+@claim("eq80", (80,))
 def curvatures_compared(mutation: Mutation) -> Statement:
     """d2V1i/dv2 >= d2/dv2 (v - v_c1)^2/2 > 0.
 
     The barrier function is convex.
+
+    Given: {OFF_EDGES}.
     """
     a, v, _, _, _ = barrier_axis()
     second, plain = ca.hessian(a.V, v)[0], ca.hessian(0.5 * a.w**2, v)[0]
@@ -201,7 +209,6 @@ def lower_bound(mutation: Mutation) -> Statement:
 @claim(
     "thm1.velocity",
     (30,),
-    given=f"{ALL_LIMITS}; |v_c0| < v_u2",
     by=Ring(NEAR, log_lemma=True),
     premises="eq30 eq81",
 )
@@ -209,6 +216,8 @@ def near_target(mutation: Mutation) -> Statement:
     """(Theorem 1) z -> 0 where |v_c0i| < v_u2i: z^2 <= 2 V1i, and V1i falls by exp(-rho t) (eq30).
 
     True under the same hypotheses.
+
+    Given: {ALL_LIMITS}; |v_c0| < v_u2.
     """
     a, v, c, _, _ = barrier_axis()
     return a.states(mutation(1, 1.2) * (v - c) ** 2 <= 2 * a.V)

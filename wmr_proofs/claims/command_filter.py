@@ -13,13 +13,8 @@ from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Named, Relations, Statement, between, positive, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
-INTERVALS = "0 < K_min <= K <= K_max, |d| <= dbar < V"
-ANY_SIDE = "0 < K_min <= K <= K_max, |d| <= dbar <= V"
-"""The same where a push alone may lead to the limit of this direction."""
-COMMANDS = (
-    "every command of real numbers (what is no number counts as 0, which "
-    "tests/control/filter/test_filter_package.py tries)"
-)
+
+
 claim = Claims(by=Z3())
 
 

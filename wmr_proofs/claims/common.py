@@ -19,12 +19,8 @@ from wmr_proofs.statement import Cuts, Named, Relations, Symbols, exchanged, sym
 PRESET = "paper-simulation"
 VELOCITY_NAMES = ("v1", "omega")
 CLOSED_FORM = {SERIES_BELOW: False}
-ALL_LIMITS = "every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0, either sign"
-OFF_EDGES = ALL_LIMITS + "; off |v| = v_u2, |v_c0| = v_u2 and |v_c0| = v_u2 + 1/(v_u1 - v_u2)"
-FINITE = "; |v_c0| < 1e100"
-NO_SERIES = (
-    "; where phi(Y) is evaluated in closed form (|Y| >= 0.05; see forms.series) and |v_c0| < 1e100"
-)
+
+
 WAYS = {"ahead": {"way": 1}, "back": {"way": -1}}
 BOTH_AXES = {"linear": {"axis": 0}, "angular": {"axis": 1}}
 

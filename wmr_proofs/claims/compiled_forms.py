@@ -19,10 +19,7 @@ from wmr_proofs.regions import POSITIVE, Case
 from wmr_proofs.statement import Statement, equal, symbols
 
 from .common import (
-    ALL_LIMITS,
     CLOSED_FORM,
-    FINITE,
-    NO_SERIES,
     BarrierAxis,
     barrier_axis,
 )
@@ -47,51 +44,61 @@ EVERYWHERE = Ring(regions.all_cases(), CLOSED_FORM)
 claim = Claims(by=EVERYWHERE)
 
 
-@claim("forms.v_c1", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(regions.target_cases()))
+@claim("forms.v_c1", (18,), by=Ring(regions.target_cases()))
 def target(mutation: Mutation) -> Statement:
     """the compiled v_c1 equals (18).
 
     The generated code aims where the paper aims.
+
+    Given: {ALL_LIMITS}; |v_c0| < 1e100.
     """
     a, _, c, u1, u2 = barrier_axis()
     return a.states(stable.stable_minimiser(c, u1, u2) == mutation * a.x)
 
 
-@claim("forms.w", (18,), given=ALL_LIMITS + "; |v_c0| < 1e100", by=Ring(regions.all_cases()))
+@claim("forms.w", (18,), by=Ring(regions.all_cases()))
 def distance(mutation: Mutation) -> Statement:
     """the compiled v - v_c1 is the difference of v and (18).
 
     The distance to the target is right even where it is computed in another way.
+
+    Given: {ALL_LIMITS}; |v_c0| < 1e100.
     """
     a = BarrierAxis()
     return a.states(a.stable.w == a.all[0] - mutation * a.x, a.stable.v_c1 == a.x)
 
 
-@claim("forms.V1", (12, 20), given=ALL_LIMITS + NO_SERIES)
+@claim("forms.V1", (12, 20))
 def value(mutation: Mutation) -> Statement:
     """the compiled V1i, a sum of non-negative terms, equals (20).
 
     No cancellation of large numbers, and still the same function.
+
+    Given: {ALL_LIMITS}{NO_SERIES}.
     """
     a = BarrierAxis()
     return a.states(equal(a.stable.V1, mutation * a.V))
 
 
-@claim("forms.quotient", (9, 20), given=ALL_LIMITS + NO_SERIES)
+@claim("forms.quotient", (9, 20))
 def quotient(mutation: Mutation) -> Statement:
     """the compiled V1i/A_i times A_i equals V1i.
 
     The feedback term is the paper's, without a division by A = 0.
+
+    Given: {ALL_LIMITS}{NO_SERIES}.
     """
     a = BarrierAxis()
     return a.states(a.stable.V1_over_A * a.A == mutation * a.V)
 
 
-@claim("forms.q", (9, 10), given=ALL_LIMITS + FINITE)
+@claim("forms.q", (9, 10))
 def q(mutation: Mutation) -> Statement:
     """the compiled q times A_i equals v - v_c1.
 
     The feed-forward factor is the paper's, with its limit at A = 0.
+
+    Given: {ALL_LIMITS}{FINITE}.
     """
     a = BarrierAxis()
     return a.states(a.stable.q * a.A == mutation * a.w)
@@ -145,15 +152,17 @@ ANYWHERE = (*regions.SIDES, *regions.SIDE_EDGES)
 TANGENTS = tuple(regions.tangent_case(y, v) for y in ANYWHERE for v in regions.SIDES)
 """v off the corner, where the slope is 0 from both sides."""
 COVERED = "cover.smooth-targets cover.beyond"
-smooth_claim = Claims(by=Ring(EVERY, CLOSED_FORM), given=ALL_LIMITS + FINITE, premises=COVERED)
+smooth_claim = Claims(by=Ring(EVERY, CLOSED_FORM), given="{ALL_LIMITS}{FINITE}", premises=COVERED)
 
 
-@smooth_claim("smooth.V1", given=ALL_LIMITS + NO_SERIES)
+@smooth_claim("smooth.V1")
 def smooth_value(mutation: Mutation) -> Statement:
     """smooth barrier: the compiled V1i equals (20) with f(v) = -ln((v_u1 - |v|)/(v_u1 - v_u2)) -
     (|v| - v_u2)/(v_u1 - v_u2) beyond v_u2, else 0.
 
     The sum of non-negative terms is the same function.
+
+    Given: {ALL_LIMITS}{NO_SERIES}.
     """
     a = BarrierAxis()
     return a.states(equal(_compiled(a).V1, mutation * smooth_lyapunov(*a.all)))
@@ -190,25 +199,28 @@ def smooth_target(mutation: Mutation) -> Statement:
 
 @smooth_claim(
     "smooth.slope",
-    given="every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, "
-    "and v = v_c0 = 0 left out" + NO_SERIES,
     by=Ring(OFF_CORNERS, CLOSED_FORM),
 )
 def slope(mutation: Mutation) -> Statement:
     """smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i.
 
     What the laws divide by is the slope of the barrier function.
+
+    Given: every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, and v =
+    v_c0 = 0 left out{NO_SERIES}.
     """
     a = BarrierAxis()
     found = _compiled(a)
     return a.states(found.q * ca.gradient(found.V1, a.all[0]) == mutation * found.w)
 
 
-@smooth_claim("smooth.quotient", given=ALL_LIMITS + NO_SERIES)
+@smooth_claim("smooth.quotient")
 def smooth_quotient(mutation: Mutation) -> Statement:
     """smooth barrier: the compiled V1i/A times A = (v - v_c1)/q equals V1i.
 
     The feedback term is the quotient of the two.
+
+    Given: {ALL_LIMITS}{NO_SERIES}.
     """
     a = BarrierAxis()
     found = _compiled(a)

@@ -22,14 +22,14 @@ from wmr_proofs.paper_functions import target_rate
 from wmr_proofs.regions import POSITIVE, Case, target_cases
 from wmr_proofs.statement import Relations, Statement, between, every, symbols, when, within
 
-from .common import OFF_EDGES, LawGraph, barrier_axis
+from .common import LawGraph, barrier_axis
 from .guard_axis import DELAYED, GuardAxis
 from .guard_sent import only
 
 DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
 POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
-DIRECTION = "; that theta_d is the path's direction at one instant is up to the double for pi"
-MOTIONS = ({"kind": "circle", "more": DIRECTION}, {"kind": "line", "more": ""})
+
+MOTIONS = ({"kind": "circle", "more": "{DIRECTION}"}, {"kind": "line", "more": ""})
 claim = Claims(by=Z3())
 
 
@@ -46,11 +46,13 @@ def believed(mutation: Mutation) -> Statement:
     return Statement(t, (mass[0] == mutation * t["model.m"], mass[1] == t["model.I"]))
 
 
-@claim("eq18.rate", (18, 23), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+@claim("eq18.rate", (18, 23), by=Ring(target_cases(edges=False)))
 def eq18_rate(mutation: Mutation) -> Statement:
     """v_c1' = (d v_c1/d v_c0) v_c0'.
 
     How fast the target of the velocity moves.
+
+    Given: {OFF_EDGES}.
     """
     a, _, c, u1, u2 = barrier_axis()
     t = a | symbols("cdot")
@@ -110,7 +112,7 @@ def prediction_times(mutation: Mutation) -> Statement:
 
     Over its delay the law counts on each command under way for as long as it acts.
 
-    Given: 0 <= delay <= {MOST} T; up to {MOST} commands.
+    Given: 0 <= delay <= 5 T; up to 5 commands.
     """
     t = symbols("delay period")
     delay, period = t.delay, t.period

@@ -76,12 +76,6 @@ def applied(mutation: Mutation) -> Statement:
     return Statement(t, goals, (e > 0, e < 1))
 
 
-TIMES = (
-    "lag, h > 0, 0 < spread < 1, h <= 500 lag (1 - spread); exp(h/(lag (1 - spread))) and "
-    "exp(h/lag') as symbols"
-)
-
-
 @claim("world.lag.bound")
 def lag_bound(mutation: Mutation) -> Statement:
     """on the drives' own graph a share exp(-h/tau) of the acting torque is left after a step, tau =

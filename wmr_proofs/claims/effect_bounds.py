@@ -42,7 +42,7 @@ from .wheels_and_encoders import EffectGraph
 HEAVIEST = {"robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1}
 ALONG = at(**HEAVIEST, sine=1, **{"slope.offset": 0}, along=1, across=0)
 """Straight uphill."""
-HEAVY = "coefficients >= 0, 0 < m <= guard.M_max; l, g > 0"
+
 claim = Claims(by=Z3())
 
 

@@ -27,7 +27,7 @@ from wmr_proofs.statement import (
     when,
 )
 
-from .command_filter import ANY_SIDE, COMMANDS, admits, highest
+from .command_filter import admits, highest
 from .common import elements_of, ports_of
 
 claim = Claims(by=Z3())
@@ -49,13 +49,6 @@ SIDES = {
     for axis, name in enumerate(("linear", "angular"))
     for side, way in enumerate(("forwards", "backwards"))
 }
-ASSEMBLED = (
-    f"{COMMANDS}, odometry within nbar or none, any time since the last sample; "
-    "-v_below <= v <= v_above if that is a period, -V_d <= v <= V_u, the limits of both "
-    "directions; v and omega limited, one factor for both, tau and K bounded for each by itself; "
-    "no delay, jitter or losses, odometry of the sample, H = T; "
-    "T > 0, 0 < tau_min <= tau_max; " + ANY_SIDE + " either way"
-)
 
 
 class AssembledStep(Named):

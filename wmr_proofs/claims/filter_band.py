@@ -19,11 +19,6 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Named, Relations, Statement, between, stacked, symbols
 
-TABLES = "0 <= low <= high on every piece, left, fading in [0, 1], tail >= 0, c > 0"
-AFTER = (
-    f"{TABLES}; after at least high a period sooner, and not between high and high + 2^-30 on the "
-    "same piece"
-)
 claim = Claims(by=Z3())
 WAYS = {"over": {"way": 1}, "under": {"way": -1}}
 
@@ -99,10 +94,6 @@ def mirrored(mutation: Mutation) -> Statement:
     goals = [bound_of(x, way) - bound_of(y, way) >= 0
              for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
     return Statement(s, goals, a.stated)
-
-
-WITHIN = "u + over, -u + under <= c'', c'' = c (1 + 2^-30 + 2^-46)"
-INSIDE = f"before it {WITHIN}, and under <= c' = c (1 + 2^-30) once 0 is sent"
 
 
 class BandStep(BandAxis):
@@ -200,7 +191,7 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
 
     A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
 
-    Given: {AFTER}; {INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted.
+    Given: {AFTER}; {BAND_INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted.
     """
     a = BandStep()
     line, to = (-1 if part == "tail" else 0), a.to
@@ -220,7 +211,7 @@ def zero(mutation: Mutation) -> Statement:
 
     A stop is always admitted, whatever the conditions say.
 
-    Given: {AFTER}; u >= 0; {INSIDE}.
+    Given: {AFTER}; u >= 0; {BAND_INSIDE}.
     """
     a = BandStep()
     now = a.forecast.changed(ca.SX(0), a.table)
@@ -238,7 +229,7 @@ def zero_held(mutation: Mutation) -> Statement:
 
     While steps come in time, the band never holds back a stop.
 
-    Given: {AFTER}; 2^-30 <= high on every piece; u >= 0; {INSIDE}, on every piece and behind.
+    Given: {AFTER}; 2^-30 <= high on every piece; u >= 0; {BAND_INSIDE}, on every piece and behind.
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps

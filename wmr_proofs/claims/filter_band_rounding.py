@@ -10,7 +10,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement, between, listed, nonnegative, symbols, within
 
-from .filter_band import TABLES, WAYS, BandAxis, BandStep, bound_of
+from .filter_band import WAYS, BandAxis, BandStep, bound_of
 
 STEP = 2.0**-46
 """Share of c by which a change of the command may leave a computed forecast too low."""
@@ -18,7 +18,7 @@ WIDER = 2.0**-44
 """Share of c by which a computed limit may be that of a larger c."""
 LEVEL = PAST - 2.0**-47
 """Share of c within which a command that is held keeps the speed, whatever was rounded."""
-SIZES = f"{TABLES}, high <= 5; |u|, |to| <= 2 c, |over|, |under|, |past| <= 4 c"
+
 claim = Claims(by=Z3(), premises="assumption.libm")
 
 
@@ -42,7 +42,8 @@ def forecast(mutation: Mutation, way: int) -> Statement:
 
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
 
-    Given: {SIZES}; v <= u + over + e, -v <= -u + under + e; low <= S <= high, the base's response.
+    Given: {BAND_SIZES}; v <= u + over + e, -v <= -u + under + e; low <= S <= high, the base's
+    response.
     """
     a = BandAxis()
     s, changed = a | symbols("e made"), a.forecast.changed(a.to, a.table)
@@ -88,8 +89,9 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
 
     A command that is admitted by roundings is admitted without them for a hardly larger limit.
 
-    Given: {SIZES}; inverse slope <= 1, or >= 1 and slope > 0 of a fall behind which 0 follows; 0 <=
-    slope <= 10, inverse >= 1/16; to within what this condition admits, as the text computes it.
+    Given: {BAND_SIZES}; inverse slope <= 1, or >= 1 and slope > 0 of a fall behind which 0 follows;
+    0 <= slope <= 10, inverse >= 1/16; to within what this condition admits, as the text computes
+    it.
     """
     a = BandStep()
     s, table = a | symbols("limit wider inverse slope"), a.table

@@ -18,7 +18,6 @@ from wmr_proofs.statement import (
     within,
 )
 
-from .command_filter import COMMANDS
 from .common import BOTH_AXES, elements_of
 from .filter_assembled import STATED
 from .filter_band import WAYS
@@ -41,15 +40,15 @@ def _whole(axis: int) -> tuple[BandGovernor, Symbols, Cuts]:
 
 @claim(
     "filter.band.sent",
-    given=f"{COMMANDS}, at any time; one factor for v and omega; parameters that are "
-    "sound; 0 <= what a fall and a rise are "
-    "admitted, and 0 <= the largest command behind which 0 may follow",
     each=BOTH_AXES,
 )
 def sent(mutation: Mutation, axis: int) -> Statement:
     """u_before - fall <= u <= u_before + rise, u what the whole band sends on each axis.
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
+
+    Given: {COMMANDS}, at any time; one factor for v and omega; parameters that are sound; 0 <= what
+    a fall and a rise are admitted, and 0 <= the largest command behind which 0 may follow.
     """
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
@@ -61,9 +60,6 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 
 @claim(
     "filter.band.sent-stop",
-    given=f"{COMMANDS}; one factor for v and omega; any parameters; 0 is between what "
-    "a fall and a rise are admitted, and 0 "
-    "<= the largest command behind which 0 may follow",
     each=BOTH_AXES,
 )
 def sent_stop(mutation: Mutation, axis: int) -> Statement:
@@ -71,6 +67,9 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     axis, and u never turns against what was asked for.
 
     Behind every command that is sent in time 0 may follow.
+
+    Given: {COMMANDS}; one factor for v and omega; any parameters; 0 is between what a fall and a
+    rise are admitted, and 0 <= the largest command behind which 0 may follow.
     """
     graph, named, cuts = _whole(axis)
     u = mutation(1, 1.1) * graph.sent[axis]

@@ -93,8 +93,6 @@ class Limited(Named):
         return {"v": command[0], "omega": command[1]}
 
 
-GIVEN = "every command; l > 0; limits lo < 0 < hi"
-ROUNDED = "operations rounded by at most 2^-53"
 SCALED: dict[str, dict[str, Any]] = {
     "wheels-curvature": {"on": "wheels", "scale": "curvature", "spare": RIM / 2},
     **{f"{on}-{scale}": {"on": on, "scale": scale, "spare": RIM}
@@ -114,8 +112,8 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
     v and omega keep their limits to the last bit, whichever goes first, and wheels keep theirs
     however v and l omega cancel.
 
-    Given: {GIVEN} of v and omega, of the wheels, or of all, those of the wheels of at most M in
-    size; {ROUNDED}.
+    Given: {SCALED_GIVEN} of v and omega, of the wheels, or of all, those of the wheels of at most M
+    in size; {ROUNDED}.
     """
     a = Limited(on)
     if on == "both":  # before v and omega are cut
@@ -125,9 +123,6 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
     axes = a.kept(a.sent, mutation(0, -BEYOND), axes=True)
     goals = axes, a.kept(a.sent, mutation(1, 2.0**-6) * spare, axes=False)
     return Statement(a, goals, a.stated, computed=a.computed(sent))
-
-
-BESIDE = f"{GIVEN} of v, omega and the wheels, those of the wheels of at most M in size"
 
 
 @claim("filter.rounding.beside")

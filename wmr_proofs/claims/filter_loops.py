@@ -12,7 +12,6 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement, nonnegative, positive, symbols, within
 
-from .command_filter import COMMANDS
 from .common import elements_of, ports_of
 from .filter_assembled import STATED
 
@@ -80,8 +79,6 @@ SLOW = LINEAR | {
 
 @claim(
     "filter.least",
-    given=f"{COMMANDS}; the limit (V - dbar)/K_max and b above 0; what was not sent of earlier "
-    "commands within b, their way 1, -1 or 0; v and omega each by its own factor",
 )
 def least(mutation: Mutation) -> Statement:
     """the command that the whole clip sends with `filter.least` is within its limit on each axis
@@ -89,6 +86,9 @@ def least(mutation: Mutation) -> Statement:
     was not sent stays within b.
 
     What is sent acts, is in the mean what was asked for, and is as safe as any other command.
+
+    Given: {COMMANDS}; the limit (V - dbar)/K_max and b above 0; what was not sent of earlier
+    commands within b, their way 1, -1 or 0; v and omega each by its own factor.
     """
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)

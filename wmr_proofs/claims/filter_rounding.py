@@ -30,7 +30,7 @@ from wmr_proofs.statement import (
     within,
 )
 
-from .command_filter import INTERVALS, NUMBERS, sound
+from .command_filter import NUMBERS, sound
 
 SLACK = 2.0**-28
 """Share of V by which the speed may be above its computed bound."""
@@ -59,13 +59,14 @@ def _computed(value: ca.SX, exact: ca.SX, off: Number = 0.0) -> Relations:
 
 @claim(
     "filter.rounding.clip",
-    given=f"{INTERVALS}; V the stated limit; operations rounded by at most 2^-53",
 )
 def clip(mutation: Mutation) -> Statement:
     """(K_max hi + dbar) (1 + 2^-46) <= V for the hi that the clip's text computes, by a quotient
     or by 1/K_max.
 
     What the clip sends keeps the stated limit to the last bit.
+
+    Given: {INTERVALS}; V the stated limit; operations rounded by at most 2^-53.
     """
     s, b = _numbers("direct inverse")
     aimed = b.V * (1 - mutation(ROUNDING, -ROUNDING))
@@ -75,11 +76,13 @@ def clip(mutation: Mutation) -> Statement:
     return Statement(s, goals, (sound(b), aimed > b.dbar), computed=computed)
 
 
-@claim("filter.rounding.target", given=f"{INTERVALS}; operations rounded by at most 2^-53")
+@claim("filter.rounding.target")
 def target(mutation: Mutation) -> Statement:
     """the computed drive(u) misses K u + dbar by at most 2^-51 (|drive(u) - dbar| + dbar).
 
     The speed towards which a command drives the base is computed well enough.
+
+    Given: {INTERVALS}; operations rounded by at most 2^-53.
     """
     s, b = _numbers("u target")
     exact = drive(s.u, b)
@@ -142,16 +145,16 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
 
 @claim(
     "filter.rounding.takeover",
-    given=f"{INTERVALS}; w + (2^-28 + 2 n 2^-44) V >= v, the speed; w, the computed bound, from "
-    "-2 V to V; mean = K_max hi + dbar + d at most, (1 - e) d <= 2^-45 V; 1 <= n; "
-    "e = exp(-H/tau_min) <= 1 - n 2^-14, kappa within 2^-49 of e/(1 - e); operations rounded "
-    "by at most 2^-53",
 )
 def takeover(mutation: Mutation) -> Statement:
     """e v + (1 - e) mean <= V (1 + 2^-28) for the hi that the governor's text computes, by
     quotients or by 1/K_max.
 
     From a bound that was carried through n pieces of time, too, the computed limit keeps the speed.
+
+    Given: {INTERVALS}; w + (2^-28 + 2 n 2^-44) V >= v, the speed; w, the computed bound, from -2 V
+    to V; mean = K_max hi + dbar + d at most, (1 - e) d <= 2^-45 V; 1 <= n; e = exp(-H/tau_min) <= 1
+    - n 2^-14, kappa within 2^-49 of e/(1 - e); operations rounded by at most 2^-53.
     """
     s, b = _numbers("w direct inverse v e d n")
     V, e, n = b.V, s.e, s.n
@@ -169,12 +172,14 @@ def takeover(mutation: Mutation) -> Statement:
     return Statement(s, goals, given, computed=computed)
 
 
-@claim("filter.rounding.rim", given=f"{INTERVALS}; l > 0; operations rounded by at most 2^-53")
+@claim("filter.rounding.rim")
 def rim(mutation: Mutation) -> Statement:
     """the computed drive(v + l omega) misses its own by at most 2^-50 (K_max (|v| + l |omega|) +
     dbar).
 
     The speed towards which a command drives a wheel is computed well enough.
+
+    Given: {INTERVALS}; l > 0; operations rounded by at most 2^-53.
     """
     s, b = _numbers("v omega l target", "l")
     exact = drive(Channel((1, 1), s.l, (b,), (1.0, 1.0)).of((s.v, s.omega)), b)

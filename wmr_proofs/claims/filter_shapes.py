@@ -29,7 +29,7 @@ from wmr_proofs.statement import (
     within,
 )
 
-from .command_filter import COMMANDS, INTERVALS, sound
+from .command_filter import sound
 from .common import elements_of, ports_of
 from .filter_assembled import ALIKE, STATED
 from .filter_band_times import BANDED
@@ -76,7 +76,6 @@ def _arms(channels: list[Channel]) -> Relations:
 
 @claim(
     "filter.sent.{key}",
-    given=f"{COMMANDS}, any odometry, any time since the last sample; l > 0; the limits above 0",
     premises="filter.limits",
     over=SHAPES,
 )
@@ -85,6 +84,8 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     either way, whatever both axes are asked for: {limited}.
 
     Nothing bypasses the filter, whichever speeds it limits and however it scales.
+
+    Given: {COMMANDS}, any odometry, any time since the last sample; l > 0; the limits above 0.
     """
     table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
@@ -109,8 +110,6 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
 
 @claim(
     "filter.sent-clip.{key}",
-    given=f"{COMMANDS}; l > 0; (V - dbar)/K_max > 0 of each speed, V less 2^-26 of it, N and "
-    "delta in the places of K_max and dbar where loops are linear",
     over=SHAPES,
 )
 def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ...]) -> Statement:
@@ -118,6 +117,9 @@ def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ..
     first-order loops or linear ones: {limited}; where no wheel is limited, by one factor as well.
 
     Whatever is asked for, commands stay within what the loop's gain admits, at the wheels as well.
+
+    Given: {COMMANDS}; l > 0; (V - dbar)/K_max > 0 of each speed, V less 2^-26 of it, N and delta in
+    the places of K_max and dbar where loops are linear.
     """
     table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
@@ -136,8 +138,6 @@ def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ..
 
 @claim(
     "filter.clip",
-    given=f"{COMMANDS}; l > 0, 0 < K_min <= K_max, 0 <= dbar < V of each speed, V less 2^-26 of "
-    "it; -drive_back(u) <= mean <= drive(u), u the speed that is sent (filter.drive); 0 <= E <= 1",
     premises="filter.drive",
     each={
         f"{key} {scale}": {"more": more, "scale": scale}
@@ -156,6 +156,9 @@ def clip_step(mutation: Mutation, more: dict[str, object], scale: str) -> Statem
 
     A step of the induction over samples (filter.mean). The memoryless clip (V - dbar)/K_max keeps
     the limit without odometry and time constants.
+
+    Given: {COMMANDS}; l > 0, 0 < K_min <= K_max, 0 <= dbar < V of each speed, V less 2^-26 of it;
+    -drive_back(u) <= mean <= drive(u), u the speed that is sent (filter.drive); 0 <= E <= 1.
     """
     clip = _clip(CLIPPED | more, scale)
     table, goals = elements_of(clip.asked, *clip.p.ports), list[Relations]()
@@ -171,8 +174,6 @@ def clip_step(mutation: Mutation, more: dict[str, object], scale: str) -> Statem
 
 @claim(
     "filter.slew-sent.together",
-    given=f"{COMMANDS}, at any time; parameters that are sound, a, T > 0, c = (V (1 - 2^-26) - "
-    "delta - a reach)/K_max > 0; the command before within c",
 )
 def slew_together(mutation: Mutation) -> Statement:
     """|u| <= c and |u - u_before| <= a t on both axes, 0 <= t <= T the time since the sample
@@ -180,6 +181,9 @@ def slew_together(mutation: Mutation) -> Statement:
     or one first.
 
     Commands stay within their limit and change no faster than stated, whatever is asked for.
+
+    Given: {COMMANDS}, at any time; parameters that are sound, a, T > 0, c = (V (1 - 2^-26) - delta
+    - a reach)/K_max > 0; the command before within c.
     """
     table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
@@ -211,8 +215,6 @@ BANDS = (
 
 @claim(
     "filter.band.sent.{key}",
-    given=f"{COMMANDS}, at any time, parameters that are sound; 0 is between what a fall and a "
-    "rise are admitted, and 0 <= the largest command behind which 0 may follow",
     over=BANDS,
 )
 def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> Statement:
@@ -220,6 +222,9 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
     follow, u what the whole band sends on either axis; of loops: {loops}.
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
+
+    Given: {COMMANDS}, at any time, parameters that are sound; 0 is between what a fall and a rise
+    are admitted, and 0 <= the largest command behind which 0 may follow.
     """
     table, cuts = Symbols(), Cuts()
     goals, given = list[Relations](), list[Relations]()
@@ -317,9 +322,6 @@ TIMES: tuple[dict[str, object], ...] = (
 
 @claim(
     "filter.assembled.{key}",
-    given=f"any odometry within nbar, or none, any time since the last sample; the bounds that "
-    "were kept hold where every command that may act was sent in time; |v| <= V; T > 0, 0 < "
-    f"tau_min <= tau_max; {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit",
     premises="filter.sent",
     over=TIMES,
 )
@@ -328,6 +330,10 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     admits, mean at most what u or, once the base has stopped, pushes alone lead to; H = {H}.
 
     A command may act for longer than a period, and the filter counts on that.
+
+    Given: any odometry within nbar, or none, any time since the last sample; the bounds that were
+    kept hold where every command that may act was sent in time; |v| <= V; T > 0, 0 < tau_min <=
+    tau_max; {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit.
     """
     graph = governor(more)
     ports = ports_of(graph.system)

@@ -24,10 +24,9 @@ from wmr_proofs.statement import (
     symbols,
 )
 
-from .command_filter import ANY_SIDE, NUMBERS, admits
+from .command_filter import NUMBERS, admits
 
 claim = Claims(by=Z3())
-LOWERED = f"{ANY_SIDE}; v <= v_bar; kappa = e1/(1 - e1), kappa_2 = e2/(1 - e2), e1 <= E <= e2 < 1"
 
 
 class Lowered(Named):

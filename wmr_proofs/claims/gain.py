@@ -26,9 +26,7 @@ from wmr_proofs.statement import Cuts, Relations, Statement, positive, symbols
 
 from .authority_table import AXES, Numbers
 from .common import (
-    ALL_LIMITS,
     CLOSED_FORM,
-    NO_SERIES,
     BarrierAxis,
     LawGraph,
     barrier_axis,
@@ -102,10 +100,6 @@ def _point(n: Numbers, **values: float | str) -> Point:
     return {name: Fraction(x) for name, x in {**values, **vars(n)}.items()}
 
 
-STAR = (
-    "v* = v_u1 - delta g^2, 1/g = 3 + 2 delta B + (rho M/D) (8 delta + B), delta = v_u1 - v_u2, "
-    "B = v_u1 + |v_c0|"
-)
 AHEAD = regions.smooth_cases(sides=("out+",))
 claim = Claims(by=Z3(), given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
 
@@ -113,7 +107,6 @@ claim = Claims(by=Z3(), given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
 @claim(
     "gain.ceiling",
     (12, 16),
-    given=ALL_LIMITS,
     by=Ring(regions.all_cases(), log_lemma=True),
     premises="lemma.log",
 )
@@ -121,6 +114,8 @@ def ceiling(mutation: Mutation) -> Statement:
     """V1i <= (v - v_c0)^2/2 + f(v).
 
     The barrier function grows no faster than its logarithm.
+
+    Given: {ALL_LIMITS}.
     """
     a, v, c, _, _ = barrier_axis()
     J = a.cost(v)
@@ -129,7 +124,6 @@ def ceiling(mutation: Mutation) -> Statement:
 
 @claim(
     "gain.ceiling-smooth",
-    given="every 0 < v_u2 < v < v_u1, any v_c0" + NO_SERIES,
     by=Ring(AHEAD, CLOSED_FORM, log_lemma=True),
     premises="lemma.log",
 )
@@ -138,6 +132,8 @@ def ceiling_smooth(mutation: Mutation) -> Statement:
     for v > v_u2.
 
     The same for the smooth barrier.
+
+    Given: every 0 < v_u2 < v < v_u1, any v_c0{NO_SERIES}.
     """
     # For v > v_u2, as compiled; (v - v_c1)/q is the slope.
     a, v, c, u1, u2 = barrier_axis()

@@ -24,15 +24,8 @@ from .filter_shapes import SHAPES, named_for
 STATED = {
     "filter.kind": "clip", "filter.gain": OF_GOVERNOR["filter.gain"], "filter.d": [0.05, 0.05],
 }  # fmt: skip
-SOUND = (
-    "a gate with its default times and ramps before a clip of first-order loops, one factor for v "
-    "and omega; 0 < K_min <= K_max, 0 <= dbar < V; every real input of any size, any time since "
-    "the last step"
-)
-GONE = (
-    "t is the time since the last step, T at most: T where it is told as 0 (nobody knows it), 0 "
-    "where it is negative"
-)
+
+
 SETTINGS = gate.GateSettings()
 claim = Claims(by=Z3())
 

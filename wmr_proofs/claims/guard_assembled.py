@@ -21,7 +21,6 @@ from wmr_proofs.statement import (
 
 from .common import PRESET, ports_of, scalars
 from .guard_axis import EACH, LATE, NUMBERS, GuardAxis
-from .guard_sample import NUMBERS_FREE
 
 claim = Claims(by=Z3())
 
@@ -97,14 +96,15 @@ def simulated(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.monitor",
-    given=f"{NUMBERS_FREE}; M_min <= M <= M_max; push of either sign; both velocities measured to "
-    "within nbar, and beyond nbar on the same side; friction against the motion",
 )
 def not_blamed(mutation: Mutation) -> Statement:
     """d_least is at most the mean disturbance of the sample in the direction of motion, or 0,
     driving forwards or backwards.
 
     The monitor reports bounds as broken only where they are.
+
+    Given: {NUMBERS_FREE}; M_min <= M <= M_max; push of either sign; both velocities measured to
+    within nbar, and beyond nbar on the same side; friction against the motion.
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old push drag e_new e_old way")
@@ -195,12 +195,6 @@ def late(mutation: Mutation) -> Statement:
             begun = b.M_min * (way * a.y - b.nbar) / b.period
             given.append(ca.fmax(mean - moved, rest - begun) >= 0)
     return Statement(a | t, goals, given)
-
-
-BOX = (
-    "every box lo <= hi of both axes, every force in it, |F0| + |N0|/l <= phi for the safe point "
-    "(F0, N0)"
-)
 
 
 class MappedWheels(Named):

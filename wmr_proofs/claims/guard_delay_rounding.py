@@ -19,7 +19,6 @@ from wmr_proofs.statement import UNIT, Cuts, Relations, Statement, between, nonn
 from . import guard_delay_sums as sums
 from .common import WAYS
 from .guard_axis import DELAYED
-from .guard_delay_sums import ROUNDS
 from .guard_rounding import DOUBLE, ON_WHEELS, RoundedAxis
 
 SPREAD = 16
@@ -113,26 +112,17 @@ def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
     return both, (8 + 4 * a.waits) * UNIT * a.reach
 
 
-RANGE = (
-    "kept = (1 + n) 2^-44 with n >= 1 commands under way, at most 2^-20; alpha T <= 1 + 2^-50; "
-    "|net| <= K = M_min alpha u1; 2 nbar, f_speed <= u1 (1 - 4 kept); M_min <= M_max"
-)
-MET = (
-    "2^-6 <= alpha delay <= n; (2 max(net, 0) + 8 kept K) (1 + alpha delay) <= M_min alpha (u1 - "
-    "f_speed); brake >= |net| + 5 kept K"
-)
-CAPS = "brakes >= |net| + 2 kept K, largest >= max(net, -2 kept K) + 2 kept K"
-SPARE = f"{WHEELS} 2^-53 K"
-AIM = "M_min alpha (u1 (1 - kept) - f_speed)"
 claim = Claims(by=Z3(), premises="assumption.libm")
 
 
-@claim("guard.delay.rounding.brakes", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
+@claim("guard.delay.rounding.brakes", aim="{AIM}")
 def brakes(mutation: Mutation) -> Statement:
     """computed brakes >= |net| + 5 kept K, (brakes + net) (1 + alpha delay) <= {aim} + (24 + 8
     alpha delay) 2^-53 K.
 
     The computed braking force is right to within a few roundings.
+
+    Given: {RANGE}; {MET}{ROUNDS}.
     """
     a = QueuedAxis()
     least = abs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
@@ -142,12 +132,14 @@ def brakes(mutation: Mutation) -> Statement:
     return Statement(a, goals, (a.stated, a.met), computed=computed)
 
 
-@claim("guard.delay.rounding.largest", given=f"{RANGE}; {MET}{ROUNDS}", aim=AIM)
+@claim("guard.delay.rounding.largest", aim="{AIM}")
 def largest(mutation: Mutation) -> Statement:
     """alpha delay (largest + net) + max(brakes + net, 0), both as computed, is {aim} to (8 + 4
     alpha delay) 2^-53 K.
 
     The computed largest command is right to within a few roundings.
+
+    Given: {RANGE}; {MET}{ROUNDS}.
     """
     a = QueuedAxis()
     both, off = _sum(a)
@@ -160,7 +152,7 @@ def largest(mutation: Mutation) -> Statement:
 @claim(
     "guard.delay.rounding.caps",
     premises="guard.delay.rounding.brakes guard.delay.rounding.largest",
-    caps=CAPS,
+    caps="{ROUNDED_CAPS}",
 )
 def caps(mutation: Mutation) -> Statement:
     """{caps}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
@@ -181,14 +173,15 @@ def caps(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.delay.rounding.room",
-    given=f"{RANGE}; {CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net + more), "
-    f"alpha delay more <= ({WHEELS + READ + 32} + 20 alpha delay) 2^-53 K",
     premises="guard.delay.rounding.largest guard.delay.rounding.caps guard.delay.rounding.both",
 )
 def room(mutation: Mutation) -> Statement:
     """M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0).
 
     Commands under way never take the room that braking needs, as computed.
+
+    Given: {RANGE}; {ROUNDED_CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net +
+    more), alpha delay more <= (400 + 20 alpha delay) 2^-53 K.
     """
     a = QueuedAxis()
     both, off = _sum(a)
@@ -202,13 +195,14 @@ def room(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.delay.rounding.size",
-    given=f"{RANGE}; {CAPS}; brakes <= (K + max(-net, 0)) (1 + 2^-50){ROUNDS}",
     premises="assumption.libm guard.delay.rounding.caps",
 )
 def size(mutation: Mutation) -> Statement:
     """|F^| <= (K + max(-net, 0)) (1 + 2^-50), and |F^| <= max(largest, brakes).
 
     No computed force is large enough to make its rounding matter.
+
+    Given: {RANGE}; {ROUNDED_CAPS}; brakes <= (K + max(-net, 0)) (1 + 2^-50){ROUNDS}.
     """
     a = QueuedAxis()
     reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
@@ -220,13 +214,14 @@ def size(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.delay.rounding.anchor",
-    given=f"{RANGE}; {CAPS}{ROUNDS}",
     premises="assumption.libm guard.delay.rounding.caps",
 )
 def anchor(mutation: Mutation) -> Statement:
     """the computed safe point is at most the computed brakes.
 
     What the wheels must keep in reserve is what the computed force keeps in reserve.
+
+    Given: {RANGE}; {ROUNDED_CAPS}{ROUNDS}.
     """
     a = QueuedAxis()
     most = mutation(1, 0.99) * a.brakes
@@ -238,19 +233,19 @@ def anchor(mutation: Mutation) -> Statement:
 @claim(
     "guard.delay.rounding.force",
     by=Z3(first=("Brown's order",)),
-    given=f"{RANGE}; {CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max(v, f_speed) + (1 + kept/64) "
-    f"ahead + u1 kept/8 and v+ <= u1, back the same of -v; lo(y) = -hi(-y) is what this says "
-    f"ahead; guard.delay.rounding.room{ROUNDS}",
     premises="assumption.libm guard.delay.rounding.caps guard.delay.rounding.room",
-    spare=SPARE,
     each=WAYS,
 )
 def force(mutation: Mutation, way: int) -> Statement:
-    """the computed force F^ has F^ + net + {spare} <= max(M_min alpha (u1 (1 - kept/32) - v+), 0),
-    v+ being v or f_speed where the new command starts to act; and the same of -F^ and -v.
+    """the computed force F^ has F^ + net + 288 2^-53 K <= max(M_min alpha (u1 (1 - kept/32) - v+),
+    0), v+ being v or f_speed where the new command starts to act; and the same of -F^ and -v.
 
     The computed force keeps the limit ahead and back, with room for the rounding of the wheels'
     torques.
+
+    Given: {RANGE}; {ROUNDED_CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max(v, f_speed) + (1 +
+    kept/64) ahead + u1 kept/8 and v+ <= u1, back the same of -v; lo(y) = -hi(-y) is what this says
+    ahead; guard.delay.rounding.room{ROUNDS}.
     """
     # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
     a = QueuedAxis()
@@ -282,7 +277,7 @@ def together(mutation: Mutation) -> Statement:
     number of commands under way; what they add up to is put together by hand.
 
     Given: {RANGE}; F <= the larger of two forces that are safe as in guard.delay.rounding.force, to
-    {SPARE}; no overflow, no underflow.
+    288 2^-53 K; no overflow, no underflow.
     """
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
     a = QueuedAxis()

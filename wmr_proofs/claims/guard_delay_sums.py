@@ -27,7 +27,6 @@ from .common import BOTH_AXES, WAYS
 
 SENT = 5
 """Commands of the queue that is written out."""
-ROUNDS = "; operations rounded by at most 2^-53"
 
 
 class Queue(Named):

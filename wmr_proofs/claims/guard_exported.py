@@ -31,19 +31,13 @@ from .guard_sample import feasible as not_empty
 from .guard_sample import inside as stays_inside
 from .guard_sent import added, caps, room
 
-INSIDE = "|v| <= u1"
-UNDER_WAY = (
-    "v+ and -v+, where the new command takes over, are at most u1 and what the guard counts, v + "
-    "ahead or -v + back, where ahead + back <= delay (largest + net)/M_min is what is under way "
-    "(guard.assembled.carried, guard.delay.lemma)"
-)
 claim = Claims(by=Z3())
 
 
 _DELAYS = {
-    "": {"delay": 0, "a": GuardAxis(), "at": "", "inside": INSIDE},
+    "": {"delay": 0, "a": GuardAxis(), "at": "", "inside": "{V_INSIDE}"},
     "-delay": {
-        "delay": 2, "a": GuardAxis(DELAYED), "at": "delay.", "inside": f"delay > 0; {UNDER_WAY}",
+        "delay": 2, "a": GuardAxis(DELAYED), "at": "delay.", "inside": "delay > 0; {UNDER_WAY}",
     },
 }  # fmt: skip
 EXPORTED = {f"{kind}{key}": {"kind": kind, **row} for kind in MAPS for key, row in _DELAYS.items()}
@@ -152,7 +146,7 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
 
     Given: feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed
     >= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; without delay
-    {INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}.
+    {V_INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}.
     """
     e = Assembled(guard, setup(kind, delay))
     r, half = e.wheels

@@ -33,12 +33,9 @@ from .guard_delay_rounding import QueuedAxis
 from .guard_rounding import DOUBLE
 
 NEAR = 2.0**-50
-SIGNS = (
-    "T, alpha, r, l, tau_max, M_min, v_u1 > 0, dbar, f_min, f_speed, brake >= 0; u1 = v_u1 (1 - "
-    "(1 + n) 2^-44), n commands under way; no overflow, no underflow"
-)
+
 DELAYS = {"at-once": {"n": 0}, "delay": {"n": 2}}
-claim = Claims(by=Z3(), given=SIGNS)
+claim = Claims(by=Z3(), given="{FLAG_SIGNS}")
 
 
 class Flag(Assembled):
@@ -103,7 +100,7 @@ def braking(mutation: Mutation, n: int) -> Statement:
 
     What the flag compares with the wheels' reach is the force with which the guard may brake.
 
-    Given: {SIGNS}; as guard.flag.conditions has it.
+    Given: {FLAG_SIGNS}; as guard.flag.conditions has it.
     """
     e, free = Flag(n), symbols("first second")
     share = mutation(4, 0.01) * (1 + n) * NEAR
@@ -127,7 +124,7 @@ def reach(mutation: Mutation, n: int) -> Statement:
 
     Both axes can brake at once, to within some roundings, wherever the compiled guard says so.
 
-    Given: {SIGNS}; the brakes as guard.flag.braking has them.
+    Given: {FLAG_SIGNS}; the brakes as guard.flag.braking has them.
     """
     e, free = Flag(n), symbols("flag first second exact1 exact2 size1 size2")
     share, half = 4 * (1 + n) * NEAR, e.wheels[1]

@@ -14,17 +14,9 @@ from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement, between, nonnegative, positive, symbols
 
 from .guard_axis import LAGGING, GuardAxis
-from .guard_sample import SIGNS, left, on
+from .guard_sample import left, on
 from .guard_sent import larger, spares
 
-EXPONENTIALS = (
-    "0 <= a <= b, b > 0, 0 <= exp(-J/a) <= exp(-J/b) <= 1, b (1 - exp(-J/b)) <= J, c(t) = (b - "
-    "a)(1 - exp(-t/a)): 0 <= c(T) <= c(T + J) <= b - a"
-)
-MORE = (
-    "b Z + M_min again + c(T) max(S - Z_J, 0) and b Z + c(T + J) max(S - Z, 0) + J S at most (b + "
-    "J) S (guard.varying.more)"
-)
 LAGS = on("varying.")
 claim = Claims(by=Z3())
 
@@ -196,8 +188,6 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim(
     "guard.{at}counts",
-    given="reached as in guard.late.mean, with the integral of Z for the sums, and b Z; "
-    f"{SIGNS}, alpha T <= 1, 0 <= J <= T; {EXPONENTIALS}",
     over=LAGS,
 )
 def counts(mutation: Mutation, a: GuardAxis) -> Statement:
@@ -205,6 +195,9 @@ def counts(mutation: Mutation, a: GuardAxis) -> Statement:
     may first take over; either way.
 
     How the room is counted.
+
+    Given: reached as in guard.late.mean, with the integral of Z for the sums, and b Z; {SIGNS},
+    alpha T <= 1, 0 <= J <= T; {EXPONENTIALS}.
     """
     least = left(mutation, a)
     return replace(least, given=(least.given, exponentials(a)))

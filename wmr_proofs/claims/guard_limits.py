@@ -15,26 +15,30 @@ from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Statement, equal, nonnegative, positive, symbols
 
 from .guard_axis import AT_ONCE, DELAYED, EACH, LATE, GuardAxis
-from .guard_sample import FREE, NUMBERS_FREE, inside
-from .guard_sent import FEASIBLE, only
+from .guard_sample import inside
+from .guard_sent import only
 
 claim = Claims(by=Z3())
 
 
-@claim("guard.too-fast", given=f"{FREE}brake >= dbar - f_min, but alpha T <= 1.01")
+@claim("guard.too-fast")
 def too_fast(mutation: Mutation) -> Statement:
     """guard.inside with alpha T up to 1.01.
 
     False: alpha = 1/T is the fastest approach to the limit that a held force admits.
+
+    Given: {GUARD_FREE}brake >= dbar - f_min, but alpha T <= 1.01.
     """
     return inside(-mutation, 1, GuardAxis(AT_ONCE))
 
 
-@claim("guard.maximal", given=f"{NUMBERS_FREE}; nbar = f_min = f_speed = 0, alpha = 1/T")
+@claim("guard.maximal")
 def maximal(mutation: Mutation) -> Statement:
     """0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1.
 
     No guard that intervenes less is safe.
+
+    Given: {NUMBERS_FREE}; nbar = f_min = f_speed = 0, alpha = 1/T.
     """
     a = GuardAxis()
     b = a.bounds
@@ -114,11 +118,13 @@ def longer(_: Mutation) -> Statement:
     return Statement(a, a.u1 >= end, given, a.cuts)
 
 
-@claim("guard.delay.uncapped", given=FEASIBLE)
+@claim("guard.delay.uncapped")
 def uncapped(_: Mutation) -> Statement:
     """guard.delay.feasible, with |F_j| <= M_min alpha (u1 - f_speed) - net.
 
     False: without the smaller cap a state can be reached that has no safe force.
+
+    Given: {FEASIBLE}.
     """
     a = GuardAxis(DELAYED)
     b = a.bounds

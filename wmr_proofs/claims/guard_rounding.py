@@ -123,12 +123,6 @@ def _within(most: ca.SX, value: ca.SX) -> Relations:
     return most >= value, most >= -value
 
 
-STATED = (
-    "every u1, T, 0 < M_min <= M_max, dbar, nbar, alpha T <= 1 + {quicker}, brake, f_min, f_speed "
-    "with room for the rounding: 2 net + {spare} K <= M_min alpha (u1 - f_speed), K = M_min alpha "
-    "u1, -K <= net = dbar - f_min; brake >= net + {half_spare} K; 2 nbar, f_speed <= u1 (1 - "
-    "{spare})"
-)
 PARTS = ("force", "size", "anchor", "maps", "torques")
 
 
@@ -141,7 +135,7 @@ def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[
     }  # fmt: skip
     return {key: f"2^{int(log2(share))}" for key, share in shares.items()} | {
         "precision": precision, "name": name, "meaning": meaning, "numbers": numbers,
-        "stated": STATED, "rounds": "; operations rounded by at most {unit}",
+        "stated": "{ROUNDING_STATED}", "rounds": "; operations rounded by at most {unit}",
         "parts": " ".join(f"guard.{name}.{part}" for part in PARTS),
     }  # fmt: skip
 

@@ -10,62 +10,23 @@ from typing import Any
 
 import casadi as ca
 
-from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claim import SHARED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement
 
 from .guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
 
-SIGNS = (
-    "u1, T, alpha > 0, 0 < M_min <= M_max, 0 <= f_speed < u1, dbar, nbar, brake, f_min >= 0, 2 "
-    "nbar <= u1"
-)
-"""What every entry assumes of the guard's numbers, beside alpha T <= 1."""
-FREE = f"every number with {SIGNS}, 2 (dbar - f_min) <= M_min alpha (u1 - f_speed), "
-NUMBERS_FREE = f"{FREE}brake >= dbar - f_min and alpha T <= 1"
-_CAPPED = (
-    "late > 0; 0 <= brakes, net <= brakes <= largest, late (largest + net) + max(brakes + net, "
-    "0)/alpha <= M_min (u1 - f_speed), mixed (largest + net) <= M_min (u1 - 2 nbar) "
-    "(guard.late.caps)"
-)
-CAPS = f"{SIGNS}, alpha T <= 1, 0 <= J <= T, J <= mixed <= usual <= late, {_CAPPED}"
-_AT_ONCE: dict[str, Any] = {
-    "axes": {"": GuardAxis(AT_ONCE)}, "caps": NUMBERS_FREE, "enough": "{caps}", "rests": "",
-    "capped": "", "seen": "|y - v| <= nbar", "inside": "{caps}; |v| <= u1, {seen}", "kept": "",
-    "acts": "M_min <= M <= M_max", "v": "v", "where": "", "counts": "", "filled": "",
-    "spare": "D >= 0, (brakes - net) M_min >= M_max D", "late": "", "over": "", "only": "",
-}  # fmt: skip
-_DELAYED = _AT_ONCE | {
-    "axes": {"": GuardAxis(DELAYED)},
-    "caps": f"{SIGNS}, delay > 0, alpha T <= 1; 0 <= brakes, net <= brakes <= largest "
-    "(guard.delay.caps)", "enough": "{caps}; guard.{at}room", "capped": "guard.delay.caps",
-    "rests": "guard.{at}room {capped}", "inside": "{seen}; {caps}; lo <= hi",
-    "kept": "guard.{at}feasible",
-    "seen": "|y - v| <= nbar; v+ where the new command takes over is at most max(v, f_speed) "
-    "plus the sum that is counted, at least 0 (guard.delay.command, guard.delay.queue)",
-    "where": " where the new command takes over",
-    "filled": "; backwards lo <= hi (guard.{at}feasible)", "spare": "D >= 0, brakes - net >= D",
-    "late": " + delay",
-}  # fmt: skip
-_LATE = _DELAYED | {
-    "axes": {"jitter": GuardAxis(LATE), "steady": GuardAxis(LATE, varies=False)}, "caps": CAPS,
-    "seen": "v+ when it may first take over <= max(max(m, f_speed) + mean, f_speed + rest), m the "
-    "mean that was measured as y to within nbar (guard.late.mean)",
-    "capped": "guard.late.caps", "v": "v+", "rests": "guard.{at}room guard.late.steady.room "
-    "{capped}", "enough": "{caps}; guard.{at}room, for J = 0 guard.late.steady.room",
-    "acts": "it takes over up to J later and acts up to T + J - that, M_min <= M <= M_max",
-    "over": "; it takes over up to J later, M_min <= M <= M_max",
-    "inside": "guard.{at}left; {caps}; lo <= hi",
-    "kept": "guard.{at}feasible guard.{at}left",
-}  # fmt: skip
-_LAGGING = _LATE | {
-    "axes": {"jitter": GuardAxis(LAGGING), "steady": GuardAxis(LAGGING, varies=False)},
-    "seen": "guard.{at}counts", "filled": "", "v": "what is reached", "counts": "guard.{at}counts",
-    "over": "", "rests": "guard.{at}room {capped}", "enough": "{caps}; guard.{at}room",
-}  # fmt: skip
-KINDS: dict[str, dict[str, Any]] = {
-    "": _AT_ONCE, "delay.": _DELAYED, "late.": _LATE, "varying.": _LAGGING,
-    "late.steady.": _LATE | {"only": "steady.", "axes": {"": GuardAxis(LATE, varies=False)}},
+KINDS: dict[str, dict[str, Any]] = {}
+words: dict[str, Any] = {}
+for at, axes in {
+    "": {"": GuardAxis(AT_ONCE)}, "delay.": {"": GuardAxis(DELAYED)},
+    "late.": {"jitter": GuardAxis(LATE), "steady": GuardAxis(LATE, varies=False)},
+    "varying.": {"jitter": GuardAxis(LAGGING), "steady": GuardAxis(LAGGING, varies=False)},
+}.items():  # fmt: skip
+    words = words | SHARED["kinds"][at]
+    KINDS[at] = words | {"axes": axes}
+KINDS["late.steady."] = KINDS["late."] | {
+    "only": "steady.", "axes": {"": GuardAxis(LATE, varies=False)},
 }  # fmt: skip
 """Axes by how their ids begin, and what the claims' texts say of each."""
 ALL = "", "delay.", "late.", "varying."

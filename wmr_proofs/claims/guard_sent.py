@@ -24,20 +24,8 @@ from wmr_proofs.statement import (
 )
 
 from .guard_axis import DELAYED, LATE, GuardAxis
-from .guard_sample import CAPS, SIGNS, on
+from .guard_sample import on
 
-FEASIBLE = (
-    f"{SIGNS}, late > 0, 2 net (1 + alpha late) <= M_min alpha (u1 - f_speed), net = dbar - f_min, "
-    "brake >= net, alpha T <= 1"
-)
-JITTERY = f"0 < J <= T, J <= mixed <= usual <= late, 2 net mixed <= M_min (u1 - 2 nbar); {FEASIBLE}"
-COUNTED = (
-    "the sums are at most what commands of at most largest count for (guard.late.piece): rest <= "
-    "(late - J) S/M_min each way, mean both ways <= (usual + mixed - 2 J) S/M_min, the last "
-    "command <= J S/M_min both ways, S = largest + net, usual <= late, J <= mixed; mean <= rest "
-    "each way, as no command weighs more in the mean (tests/control/guard/test_lateness.py)"
-)
-JITTERS = "; mixed (largest + net) <= M_min (u1 - 2 nbar)"
 claim = Claims(by=Z3())
 
 
@@ -56,8 +44,8 @@ def larger(one: ca.SX, other: ca.SX) -> ca.SX:
 @claim(
     "guard.{name}",
     over=(
-        {"name": "delay.caps", "a": GuardAxis(DELAYED), "given": FEASIBLE, "told": ""},
-        {"name": "late.caps", "a": GuardAxis(LATE), "given": JITTERY, "told": JITTERS},
+        {"name": "delay.caps", "a": GuardAxis(DELAYED), "given": "{FEASIBLE}", "told": ""},
+        {"name": "late.caps", "a": GuardAxis(LATE), "given": "{JITTERY}", "told": "{JITTERS}"},
     ),
 )
 def caps(mutation: Mutation, a: GuardAxis) -> Statement:
@@ -124,7 +112,6 @@ def queue(mutation: Mutation) -> Statement:
 
 @claim(
     "guard.late.piece",
-    given=f"|F_j| <= largest, M_min <= M <= M_max; {CAPS}",
     premises="guard.late.caps",
 )
 def late_piece(mutation: Mutation) -> Statement:
@@ -132,6 +119,8 @@ def late_piece(mutation: Mutation) -> Statement:
     whichever acts and for however long, and each way at most its time (largest + net)/M_min.
 
     Jitter: the guard counts the worse of the two, forwards and backwards.
+
+    Given: |F_j| <= largest, M_min <= M <= M_max; {CAPS}.
     """
     a = GuardAxis(DELAYED)
     b, time = a.bounds, a.periods * a.period
@@ -216,12 +205,14 @@ def _spared(a: GuardAxis, ahead: ca.SX, back: ca.SX, more: float = 1) -> Relatio
     return ca.fmax(one - more * again, two - 2 * more * again) >= 0
 
 
-@claim("guard.late.spare", given=f"{COUNTED}; {CAPS}", premises="guard.late.caps guard.late.piece")
+@claim("guard.late.spare", premises="guard.late.caps guard.late.piece")
 def late_spare(mutation: Mutation) -> Statement:
     """M_min times what is left when the new command may first take over, ahead or behind, is at
     least max(brakes + net, 0)/alpha + J S, or both together that + 2 J S, S = largest + net.
 
     Commands already sent never take the room that braking needs.
+
+    Given: {COUNTED}; {CAPS}.
     """
     a = GuardAxis(LATE)
     goal = _spared(a, *spares(a), mutation(1, 1.01))
@@ -258,7 +249,7 @@ def late_room(mutation: Mutation) -> Statement:
             "sums": "0 <= ahead, back; ahead + back <= delay (largest + net)/M_min",
             "one": "delay.command",
         },
-        on("late.steady.")[0] | {"sums": f"{COUNTED}; J = mixed = 0", "one": "late.piece"},
+        on("late.steady.")[0] | {"sums": "{COUNTED}; J = mixed = 0", "one": "late.piece"},
     ),
 )
 def room(mutation: Mutation, a: GuardAxis) -> Statement:
@@ -273,7 +264,7 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a, a.enough(a.left, mutation(1, 0.99)), given, a.cuts)
 
 
-@claim("guard.late.{name}", given=f"one command in the window, v = -V before; {SIGNS}", over=(
+@claim("guard.late.{name}",  over=(
     {"name": "rest", "part": "or from rest over the window", "rest": True,
      "so": "Why the guard counts from the oldest instant, too."},
     {"name": "half", "part": "and not from rest", "rest": False,
@@ -284,6 +275,8 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     left, is at most what the guard counts from the mean, {part}.
 
     {so}
+
+    Given: one command in the window, v = -V before; {SIGNS}.
     """
     a = GuardAxis(DELAYED)
     b, t = a.bounds, symbols("V share window")

@@ -16,7 +16,6 @@ from wmr_proofs.statement import Statement, column, every, stacked, symbols
 
 from .common import PRESET, ports_of, scalars
 
-ANY = "any pose, velocity and parameters"
 MASSES = (Case("all", {"m": POSITIVE, "I": POSITIVE, "r": POSITIVE, "l": POSITIVE}, dict),)
 DECLARED = (Case("all", declared=dict.fromkeys(("m", "I", "r", "l"), POSITIVE)),)
 ROBOT = (Case("all", declared={f"robot.{n}": POSITIVE for n in ("m", "I", "r", "l", "v_s")}),)
@@ -29,7 +28,7 @@ def no_sideways(mutation: Mutation) -> Statement:
 
     The simulated robot never slides sideways.
 
-    Given: {ANY}.
+    Given: {ANY_POSE}.
     """
     t = symbols("theta v1 v2")
     rate = pose_rate(t.theta, ca.vertcat(t.v1, t.v2))
@@ -55,7 +54,7 @@ def rate_is_map(mutation: Mutation) -> Statement:
 
     Forward is (-sin theta, cos theta): theta counts from the Y axis.
 
-    Given: {ANY}.
+    Given: {ANY_POSE}.
     """
     t = symbols("theta v1 v2")
     v = ca.vertcat(t.v1, t.v2)
@@ -69,7 +68,7 @@ def velocity_back(mutation: Mutation) -> Statement:
 
     The two velocities are the ones that a sensor would measure.
 
-    Given: {ANY}.
+    Given: {ANY_POSE}.
     """
     t = symbols("theta v1 v2")
     v = ca.vertcat(t.v1, t.v2)
@@ -166,7 +165,7 @@ def eq33_35(mutation: Mutation) -> Statement:
 
     The tracking error that the laws use evolves as the proof says.
 
-    Given: {ANY}; the desired motion obeys (3), too.
+    Given: {ANY_POSE}; the desired motion obeys (3), too.
     """
     t = column("q", 3) | column("d", 3) | column("v", 2) | column("vd", 2)
     pose, pose_d = stacked(t, "q", 3), stacked(t, "d", 3)
@@ -183,7 +182,7 @@ def target_rate(mutation: Mutation) -> Statement:
 
     The feed-forward is exact, not a difference quotient.
 
-    Given: {ANY}.
+    Given: {ANY_POSE}.
     """
     t = column("e", 3) | column("v", 2) | column("vd", 2) | column("a", 2) | column("k", 3)
     e, v, v_d = stacked(t, "e", 3), stacked(t, "v", 2), stacked(t, "vd", 2)

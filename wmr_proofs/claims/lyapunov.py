@@ -13,8 +13,6 @@ from wmr_proofs.statement import Statement, symbols
 
 from .common import (
     CLOSED_FORM,
-    NO_SERIES,
-    OFF_EDGES,
     BarrierAxis,
     LawGraph,
     named_axes,
@@ -61,17 +59,19 @@ OPEN35, PAIRS = Ring(regions.open_cases()), Ring(regions.paired_cases(), spare=1
 TARGETS7 = Ring(regions.target_cases(edges=False))
 LAW = tuple(Ring(regions.law_cases(regions.open_cases(), axis), CLOSED_FORM) for axis in (0, 1))
 NONZERO = regions.off_target_cases()
-NOMINAL = OFF_EDGES + "; model exact, no disturbance, |v| below the clip" + NO_SERIES
+
 KINK = (at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)
 R2_POINT = (at(v=0, c=2, u1=1, u2="4/5", cdot=1),)
 claim = Claims(by=OPEN35, form=PRINTED)
 
 
-@claim("eq21", (21,), given=OFF_EDGES)
+@claim("eq21", (21,))
 def sum_rule(mutation: Mutation) -> Statement:
     """V1i' = z z' + f' + g', term by term.
 
     Where the change of the barrier function comes from.
+
+    Given: {OFF_EDGES}.
     """
     m = Moving()
     v, c, u1, u2 = m.all
@@ -81,11 +81,13 @@ def sum_rule(mutation: Mutation) -> Statement:
     return m.states(m.along(m.V) == parts)
 
 
-@claim("eq22", (22,), given=OFF_EDGES)
+@claim("eq22", (22,))
 def barrier_rate(mutation: Mutation) -> Statement:
     """f' = sgn(v) v'/(v_u1 - |v|) where |v| > v_u2, else 0.
 
     The barrier term resists only near the limit.
+
+    Given: {OFF_EDGES}.
     """
     m = Moving()
     v, _, u1, u2 = m.all
@@ -93,11 +95,13 @@ def barrier_rate(mutation: Mutation) -> Statement:
     return m.states(m.along(barrier.f(v, u1, u2)) == ca.if_else(barrier.h(v, u2), near, 0))
 
 
-@claim("eq23", (23,), given=OFF_EDGES, by=TARGETS7)
+@claim("eq23", (23,), by=TARGETS7)
 def minimum_rate(mutation: Mutation) -> Statement:
     """g' = -(v_c1 - v_c0)(v_c1' - v_c0') - [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)].
 
     How the reference value moves with the target.
+
+    Given: {OFF_EDGES}.
     """
     m = Moving()
     _, c, u1, u2 = m.all
@@ -105,64 +109,76 @@ def minimum_rate(mutation: Mutation) -> Statement:
     return m.states(m.along(barrier.g(c, u1, u2)) == written)
 
 
-@claim("eq24", (24,), given=OFF_EDGES, by=TARGETS7)
+@claim("eq24", (24,), by=TARGETS7)
 def envelope(mutation: Mutation) -> Statement:
     """(v_c1 - v_c0) v_c1' + [sgn(v_c1) v_c1'/(v_u1 - |v_c1|)] = 0.
 
     At the minimiser, a small change of the velocity costs nothing.
+
+    Given: {OFF_EDGES}.
     """
     m = Moving()
     return m.states((m.x - m.all[1]) * x_rate(m) + mutation * at_target(m) == 0)
 
 
-@claim("eq25.printed", (25,), given=OFF_EDGES, by=Refute(R2_POINT))
+@claim("eq25.printed", (25,), by=Refute(R2_POINT))
 def eq25_printed(mutation: Mutation) -> Statement:
     """g' = -(v_c1 - v_c0) v_c0'.
 
     The sign is wrong wherever the target velocity is not v_c0 itself, that is whenever the limit
     matters.
+
+    Given: {OFF_EDGES}.
     """
     return g_rate(-mutation)
 
 
-@claim("eq25", (25,), form=CORRECTED, given=OFF_EDGES, by=TARGETS7)
+@claim("eq25", (25,), form=CORRECTED, by=TARGETS7)
 def g_rate(mutation: Mutation) -> Statement:
     """g' = +(v_c1 - v_c0) v_c0'.
 
     With this sign (26) follows, as the paper needs.
+
+    Given: {OFF_EDGES}.
     """
     m = Moving()
     _, c, u1, u2 = m.all
     return m.states(m.along(barrier.g(c, u1, u2)) == mutation * (m.x - c) * m.rates.cdot)
 
 
-@claim("eq26", (26,), given=OFF_EDGES, by=PAIRS)
+@claim("eq26", (26,), by=PAIRS)
 def both_axes(mutation: Mutation) -> Statement:
     """V1' = A' v' - (v - v_c1)' v_c0', both axes together (it follows from the corrected (25), not
     from the printed one).
 
     What the law can do about the barrier function, and what the moving target does to it.
+
+    Given: {OFF_EDGES}.
     """
     m, n, rate = two_axes()
     terms = [a.A * a.rates[f"vdot{a.suffix}"] - a.w * a.rates[f"cdot{a.suffix}"] for a in (m, n)]
     return Statement(m | n.symbols, rate == terms[0] + mutation * terms[1])
 
 
-@claim("eq27", (27,), given=OFF_EDGES, by=PAIRS)
+@claim("eq27", (27,), by=PAIRS)
 def split(mutation: Mutation) -> Statement:
     """V1' = V11' + V12'.
 
     The axes do not interfere.
+
+    Given: {OFF_EDGES}.
     """
     m, n, rate = two_axes()
     return Statement(m | n.symbols, rate == m.along(m.V) + mutation * n.along(n.V))
 
 
-@claim("eq28", (28,), given=OFF_EDGES)
+@claim("eq28", (28,))
 def per_axis(mutation: Mutation) -> Statement:
     """V1i' = A_i v_i' - (v_i - v_c1i) v_c0i', all 35 regions of v and v_c0.
 
     The same for each axis separately.
+
+    Given: {OFF_EDGES}.
     """
     m = Moving()
     v_dot, c_dot = m.rates.values()
@@ -190,22 +206,26 @@ def command(mutation: Mutation, axis: int) -> Statement:
     return Statement(t | free, goal, (), law.inner(axis))
 
 
-@claim("eq29.printed", (29,), given=OFF_EDGES + "; A != 0", by=Ring(NONZERO))
+@claim("eq29.printed", (29,), by=Ring(NONZERO))
 def eq29_printed(mutation: Mutation) -> Statement:
     """V1i' = +rho V1i, as the paper's text reads.
 
     Read literally the velocity error would grow. The missing minus may be a misprint of the text at
     hand.
+
+    Given: {OFF_EDGES}; A != 0.
     """
     return literal_decay(-mutation)
 
 
-@claim("eq29", (29,), form=CORRECTED, given=OFF_EDGES + "; A != 0", by=Ring(NONZERO))
+@claim("eq29", (29,), form=CORRECTED, by=Ring(NONZERO))
 def literal_decay(mutation: Mutation) -> Statement:
     """V1i' = -rho V1i under (9), where A is not 0.
 
     The distance to the target velocity, measured by the barrier function, shrinks at the chosen
     rate.
+
+    Given: {OFF_EDGES}; A != 0.
     """
     m = Moving()
     v, c, _, _ = m.all

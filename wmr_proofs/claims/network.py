@@ -38,8 +38,8 @@ OFF_TARGETS = Case("A != 0", {"A": NONZERO, "V": FREE, "w": NONZERO}, free_chart
 AT_ZERO = Case("A = 0", dict.fromkeys(("quotient", "q"), FREE), vanishing_chart, DECLARED)
 RATES = dict.fromkeys(("rho2", "gamma"), POSITIVE) | dict.fromkeys(("a", "b"), NONNEGATIVE)
 DECAYING = Case("rho2 below both rates", {**SOLVED, **RATES}, decay_chart, TIMED)
-ALL_NODES = "all 64 weights, any S(Z), any A, V1, w with A != 0 or A = V1 = w = 0, W* constant"
-OFF_TARGET = "all 64 weights, any S(Z); A and v - v_c1 not 0 (there (59) cannot be written down)"
+
+
 ONE, OFF = Ring((ANYWHERE,), spare=0), Ring((OFF_TARGETS,), spare=0)
 TWO = Ring((ANYWHERE, AT_ZERO), spare=0)
 BOUND = Ring((Case("A != 0", SOLVED, residual_chart, GAINS),), spare=0)

@@ -25,8 +25,6 @@ from wmr_proofs.statement import (
 
 from .common import EITHER_BARRIER
 
-ANY = "every 0 < v_u2 < v_u1, k > 0 and |c| < 1e100"
-
 
 def _limits(t: Symbols) -> Relations:
     return t.u2 > 0, t.u1 > t.u2
@@ -51,7 +49,7 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
 
     The closed form is the nearest velocity inside the limit.
 
-    Given: {ANY}.
+    Given: {ANY_TARGET}.
     """
     t = symbols("c k u1 u2", "k u1 u2")
     c, k, u1, u2 = t.values()

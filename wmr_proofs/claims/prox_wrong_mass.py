@@ -22,7 +22,7 @@ def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
 
 FAST = {"L": "0.3", "least": "1/4", "p": "1/6", "s": "53/5", "g": "0.93"}
 GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
-MASSES = "target held, M/M^ anywhere in [3/5, 8/5] and another one in each sample"
+
 LOOP = "prox.loop-force prox.loop-observer prox.loop-observer-angular"
 BELIEFS = rows(key=("", "-gentle"), numbers=(FAST, GENTLE))
 claim = Claims(by=Z3())
@@ -133,7 +133,7 @@ def light_model(mutation: Mutation) -> Statement:
 
 @claim(
     "prox.any-mass.step{key}",
-    given=f"{MASSES}; no disturbance",
+    given="{MASSES}; no disturbance",
     premises=LOOP,
     wording="w^2 + 2 p w q + s q^2 falls by g^2 in a sample for every mu in [5/8, 5/3] and every a "
     "in [{numbers[least]}, 1], and is at least (w^2 + q^2)/2; L, p, s and g as in "
@@ -142,7 +142,7 @@ def light_model(mutation: Mutation) -> Statement:
 )
 @claim(
     "prox.wrong-mass{key}",
-    given=f"{MASSES}: at its corners; no disturbance",
+    given="{MASSES}: at its corners; no disturbance",
     premises=LOOP,
     over=BELIEFS,
 )

@@ -23,7 +23,7 @@ from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
 from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
 from wmr_proofs.statement import Cuts, Relations, Statement, between, positive, symbols, within
 
-from .common import BOTH_AXES, NO_SERIES, VELOCITY_NAMES, LawGraph
+from .common import BOTH_AXES, VELOCITY_NAMES, LawGraph
 
 
 @dataclass(frozen=True)
@@ -199,10 +199,7 @@ class NewtonStep:
         return Statement(self.law | self.free, goals, known, self.cuts)
 
 
-HELD = (
-    'paper\'s barrier, decay = "exact", c held, model exact, |v| < v_u1 below the clip; v != v_c1'
-)
-newton_claim = Claims(given=f"{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}")
+newton_claim = Claims(given="{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}")
 
 
 @newton_claim(

@@ -63,7 +63,7 @@ START = {
         ("e3", "-0.87081", "-0.87079"), ("k2", "5", "5"),
     )
 }  # fmt: skip
-NEAR = "k = (10, 5, 4), v1d = 0.2, v2d = 0.1, v = v_c0, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4"
+
 TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
 FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
 claim = Claims(by=Z3())
@@ -75,7 +75,7 @@ def falls(mutation: Mutation) -> Statement:
 
     Unlike V2, this function falls in every direction, so disturbances can be weighed against it.
 
-    Given: {NEAR}.
+    Given: {NEAR_PATH}.
     """
     t = Strict()
     return t.states(-mutation(1000, 10) * t.W_rate >= t.size, given=t.near)
@@ -87,7 +87,7 @@ def between(mutation: Mutation) -> Statement:
 
     W measures the distance from the path.
 
-    Given: {NEAR}.
+    Given: {NEAR_PATH}.
     """
     t = Strict()
     return t.states(mutation(20, 2) * t.W >= t.size, t.size >= t.W, given=t.near)
@@ -100,7 +100,7 @@ def exponential(mutation: Mutation) -> Statement:
     The robot returns to the path exponentially, at a guaranteed (if small) rate; the paper only
     says that it converges.
 
-    Given: {NEAR}.
+    Given: {NEAR_PATH}.
     """
     # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
     t = Strict()

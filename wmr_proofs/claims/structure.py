@@ -9,11 +9,7 @@ from wmr_proofs.regions import all_cases, target_cases
 from wmr_proofs.statement import Statement, between, positive, symbols
 
 from .common import (
-    ALL_LIMITS,
     CLOSED_FORM,
-    FINITE,
-    NO_SERIES,
-    OFF_EDGES,
     BarrierAxis,
     LawGraph,
     barrier_axis,
@@ -23,23 +19,27 @@ NO_CORNER = tuple(c for c in all_cases() if "middle" not in c.label and "edge" n
 claim = Claims(by=Ring(all_cases(), log_lemma=True))
 
 
-@claim("P1", (12, 81), given=ALL_LIMITS, premises="lemma.log")
+@claim("P1", (12, 81), premises="lemma.log")
 def bregman(mutation: Mutation) -> Statement:
     """V1i = w^2/2 + D_f(v, v_c1), the Bregman distance of f, which is >= 0; w = v - v_c1.
 
     The barrier function is a squared distance plus something that only grows towards the limit.
+
+    Given: {ALL_LIMITS}.
     """
     a, v, c, u1, u2 = barrier_axis()
     distance = barrier.f(v, u1, u2) - barrier.f(a.x, u1, u2) - mutation * (c - a.x) * a.w
     return a.states(a.V - 0.5 * a.w**2 == distance, distance >= 0)
 
 
-@claim("P1.prox", (16, 18), given=ALL_LIMITS, premises="lemma.log")
+@claim("P1.prox", (16, 18), premises="lemma.log")
 def subgradient(mutation: Mutation) -> Statement:
     """v_c0 - v_c1 is a subgradient of f at v_c1: v_c1 is the proximal map of f, and -g its Moreau
     envelope.
 
     The target velocity is a smooth clip of v_c0 to the limit, of the kind known from optimisation.
+
+    Given: {ALL_LIMITS}.
     """
     # f(y) >= f(v_c1) + (v_c0 - v_c1)(y - v_c1) for every y (here v): v_c1 = prox_f(v_c0).
     a, v, c, u1, u2 = barrier_axis()
@@ -47,31 +47,37 @@ def subgradient(mutation: Mutation) -> Statement:
     return a.states(barrier.f(v, u1, u2) >= line)
 
 
-@claim("P2", (16, 25), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+@claim("P2", (16, 25), by=Ring(target_cases(edges=False)))
 def envelope_slope(mutation: Mutation) -> Statement:
     """dg/dv_c0 = v_c1 - v_c0.
 
     The corrected sign of (25), as a derivative by v_c0 and not by time.
+
+    Given: {OFF_EDGES}.
     """
     a, _, c, u1, u2 = barrier_axis()
     return a.states(ca.gradient(barrier.g(c, u1, u2), c) == a.x - mutation * c)
 
 
-@claim("P3", (10, 12), given=ALL_LIMITS, premises="lemma.log")
+@claim("P3", (10, 12), premises="lemma.log")
 def three_points(mutation: Mutation) -> Statement:
     """A w >= V1i + w^2/2.
 
     The slope of the barrier function is never small where its value is large.
+
+    Given: {ALL_LIMITS}.
     """
     a = BarrierAxis()
     return a.states(a.A * a.w >= a.V + mutation(0.5, 0.75) * a.w**2)
 
 
-@claim("P4", (9, 10), given=ALL_LIMITS + FINITE, by=Ring(all_cases()))
+@claim("P4", (9, 10), by=Ring(all_cases()))
 def q_range(mutation: Mutation) -> Statement:
     """0 <= q <= 1 for the compiled q = (v - v_c1)/A.
 
     The feed-forward is never amplified.
+
+    Given: {ALL_LIMITS}{FINITE}.
     """
     a = BarrierAxis()
     return a.states(a.stable.q >= 0, mutation(1, 0.5) >= a.stable.q)
@@ -80,13 +86,14 @@ def q_range(mutation: Mutation) -> Statement:
 @claim(
     "P4.positive",
     (9, 10),
-    given="|v_c0| <= v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2)" + FINITE,
     by=Ring(NO_CORNER),
 )
 def q_positive(mutation: Mutation) -> Statement:
     """q > 0 outside the middle region (0 there only in the limit v -> v_c1).
 
     The feed-forward never has the wrong sign.
+
+    Given: |v_c0| <= v_u2 or |v_c0| > v_u2 + 1/(v_u1 - v_u2){FINITE}.
     """
     a = BarrierAxis()
     return a.states(mutation * a.stable.q > 0)
@@ -95,7 +102,6 @@ def q_positive(mutation: Mutation) -> Statement:
 @claim(
     "P5",
     (9, 12),
-    given=ALL_LIMITS + NO_SERIES,
     by=Ring(all_cases(), CLOSED_FORM, log_lemma=True),
     premises="lemma.log",
 )
@@ -103,17 +109,21 @@ def quotient_range(mutation: Mutation) -> Statement:
     """V1i/A_i as compiled lies between 0 and v - v_c1.
 
     The feedback never exceeds the distance to the target, so it stays bounded near the limit.
+
+    Given: {ALL_LIMITS}{NO_SERIES}.
     """
     a = BarrierAxis()
     product = a.stable.V1_over_A * a.stable.w
     return a.states(product >= 0, mutation(1, 0.5) * a.stable.w**2 >= product)
 
 
-@claim("P6", (18,), given=OFF_EDGES, by=Ring(target_cases(edges=False)))
+@claim("P6", (18,), by=Ring(target_cases(edges=False)))
 def target_slope(mutation: Mutation) -> Statement:
     """dv_c1/dv_c0 = 1, 0 or 1/(1 + 1/(v_u1 - |v_c1|)^2): between 0 and 1.
 
     The target velocity never moves faster than v_c0.
+
+    Given: {OFF_EDGES}.
     """
     a, _, c, u1, u2 = barrier_axis()
     slope = ca.gradient(a.x, c)
@@ -123,11 +133,13 @@ def target_slope(mutation: Mutation) -> Statement:
     return a.states(slope == written, slope >= 0, slope <= 1)
 
 
-@claim("P7", (9, 18), given=OFF_EDGES + FINITE, by=Ring(target_cases(edges=False)))
+@claim("P7", (9, 18), by=Ring(target_cases(edges=False)))
 def q_at_target(mutation: Mutation) -> Statement:
     """at v = v_c1 the compiled q equals dv_c1/dv_c0.
 
     On target, the law tells the robot to follow the target's own acceleration.
+
+    Given: {OFF_EDGES}{FINITE}.
     """
     a, v, c, _, _ = barrier_axis()
     return a.states(ca.substitute(a.stable.q, v, a.x) == ca.gradient(a.x, c) + mutation(0, c))

@@ -19,7 +19,7 @@ def conditions(names: Symbols, printed: bool = False) -> ca.SX:
 
 PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
 SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
-FIVE = "1.1 v2max T + v1dmax (1/l + 11 v1dmax/(l v1dmin) + k3/(5 l)) T < 0.2"
+
 claim = Claims(by=Z3(), form=PRINTED)
 
 

@@ -39,7 +39,7 @@ SIGNED = Case(
     ),
     ABOVE_0 | {"e3": FREE},
 )
-ANY = "any e, z, v_d and k2 != 0"
+
 PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
 QUARTER = at(e3="3/2", share="13/20", x="37/50")
 SLIGHT = at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", **PAPER, eps0="1/2", root="1/2")
@@ -52,7 +52,7 @@ def derivative(mutation: Mutation) -> Statement:
 
     How the Lyapunov function of the position errors changes.
 
-    Given: {ANY}.
+    Given: {ANY_ERROR}.
     """
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
@@ -67,7 +67,7 @@ def expanded(mutation: Mutation) -> Statement:
 
     The turning terms e1 e2 v2 cancel.
 
-    Given: {ANY}.
+    Given: {ANY_ERROR}.
     """
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
@@ -82,7 +82,7 @@ def with_targets(mutation: Mutation) -> Statement:
 
     The auxiliary velocity damps the error ahead and the angle; the sideways error is only coupled.
 
-    Given: {ANY}.
+    Given: {ANY_ERROR}.
     """
     t = Tracking()
     e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])

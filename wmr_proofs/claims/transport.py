@@ -26,7 +26,6 @@ from wmr_proofs.statement import (
 from .common import EITHER_BARRIER
 
 COMPILED = "forms.V1 forms.v_c1 P1.prox smooth.V1 smooth.v_c1"
-ANY = "0 < v_u2 < v_u1, any c, c+ and v"
 
 
 class Carried:
@@ -93,8 +92,8 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     How much V1 can change because its target moves; a target that comes nearer to the velocity
     lowers it.
 
-    Given: {ANY}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at the other
-    target's v_c1.
+    Given: {ANY_TARGETS}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at
+    the other target's v_c1.
     """
     t = symbols("v c c_next u1 u2", "u1 u2")
     v, c, c_next, u1, u2 = t.values()
@@ -130,7 +129,8 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
 
     Carrying the velocity along with its target raises neither V1 nor the distance.
 
-    Given: {ANY}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >= w^2/2.
+    Given: {ANY_TARGETS}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >=
+    w^2/2.
     """
     g = Carried(smooth)
     t = g.inputs | g.free
@@ -161,7 +161,7 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
 
     Nothing inside the limit is carried out of it; a target that is held carries nothing.
 
-    Given: {ANY}.
+    Given: {ANY_TARGETS}.
     """
     g = Carried(smooth)
     t = g.inputs

@@ -83,14 +83,9 @@ class EffectGraph(Named):
         return [self[name] > 0 for name in names]
 
 
-SIZES = "r, l, 1 + radius_i, 1 + track > 0; |tau_right|, |tau_left| <= tau = tau_max + motor.step/2"
-INSIDE = "r, l, N, 1 + radius_i, 1 + track > 0; |v1| <= u1, |omega| <= u2"
 MISREAD = "|c - 1| u1 + |d| l' u2", "|c l'/l - 1| u2 + |d| u1/l"
 MISMADE = "tau sum |1/(1 + radius_i) - 1|/r", "l tau sum |(1 + track)/(1 + radius_i) - 1|/r"
-WHOLE = (
-    "every turn of both wheels now and a window ago; counts are their whole parts: "
-    "n <= turn < n + 1; r, l, N, w > 0; w one control period, after the first sample"
-)
+
 ORDERS, PLACES = "<=>", ("least", "inside", "largest")
 
 
@@ -192,7 +187,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
 
     What wrong radii add to nbar of an encoder.
 
-    Given: {INSIDE}.
+    Given: {WHEELS_INSIDE}.
     """
     numbers = {"encoder.counts": 64.0, **WHEELS}
     g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
@@ -219,7 +214,7 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
 
     What wrong radii, and for the moment a wrong track, add to dbar.
 
-    Given: {SIZES}.
+    Given: {WHEELS_SIZES}.
     """
     limited = {**WHEELS, "actuator.tau_max": 5.0}
     g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
