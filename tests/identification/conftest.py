@@ -1,10 +1,12 @@
-"""Logs of a plant of the tests' own, simulated once: four robots, 24 s each."""
+"""Logs of a plant of the tests' own, simulated once: four robots, 24 s each; and of a base."""
 
 from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
+from benchmarks.own_axes import Axis, Drive, recorded
+from benchmarks.own_axes import Truth as Base
 from benchmarks.own_plant import Truth, log_of, simulate
 from wmr_ctrl.codegen import build
 from wmr_ctrl.identification import identify
@@ -13,7 +15,15 @@ TRUTH = Truth(delay=0.036)
 STEP = 4e-3
 """A ninth of its delay, and a quarter of the fastest time constant, that of friction [s]."""
 KNOWN = {"robot.r": TRUTH.r, "robot.l": TRUTH.l, "encoder.counts": TRUTH.counts}
+BASE = Base((Axis(gain=0.95, first=0.25), Axis(gain=1.05, first=0.15)), (0.03, 0.03))
+"""A base that takes velocities, with a loop of first order on each axis."""
+NUMBERS = {"gain1": 0.95, "tau1": 0.25, "delay1": 0.03, "gain2": 1.05, "tau2": 0.15, "delay2": 0.03}
 POSED = ("t", "wheel_counts[1]", "wheel_counts[2]", "tau_right", "tau_left", "x", "y", "theta")
+
+
+def drive(base=BASE, seed=1, **how):
+    """Log of a base that takes velocities: 12 s of random steps, if nothing else is told."""
+    return recorded(base, Drive(**{"seconds": 12.0, **how}), seed)
 
 
 @contextmanager
@@ -48,6 +58,12 @@ def found(driven):
     """What the first robot's log tells."""
     with filters_at_level_one():
         return identify(log_of(driven, 0), overrides=KNOWN)
+
+
+@pytest.fixture(scope="session")
+def based():
+    """What the log of the base tells, of which the user says nothing."""
+    return identify(drive(), base="velocity")
 
 
 @pytest.fixture
