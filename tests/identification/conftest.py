@@ -68,5 +68,5 @@ def based():
 
 @pytest.fixture
 def posed(driven):
-    """Columns of a log with poses, as arrays that may be spoilt."""
-    return {key: np.array(value) for key, value in log_of(driven, 0, POSED).items()}
+    """Columns of a log with poses, as arrays that may be spoilt, by names without units."""
+    return {key.split(" ")[0]: np.array(row) for key, row in log_of(driven, 0, POSED).items()}

@@ -8,11 +8,13 @@ import pytest
 from benchmarks.own_plant import log_of
 from tests.identification.conftest import KNOWN, POSED, TRUTH
 from tests.papers_robot import paper
+from tests.tables import cases
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.logs import lint
 from wmr_ctrl.identification.logs.log import (
     FACTORS,
+    TORQUES,
     LogError,
     of_columns,
     unit_of,
@@ -24,78 +26,74 @@ from wmr_ctrl.identification.logs.samples import motion_of, wheels
 from wmr_ctrl.world.encoder import COUNTS
 from wmr_ctrl.world.scenario import override
 
-T, RIGHT, LEFT = "t [s]", "wheel_counts[1] [1]", "wheel_counts[2] [1]"
-TAU, TAU_LEFT = "tau_right [N.m]", "tau_left [N.m]"
-X, Y, THETA = "x [m]", "y [m]", "theta [rad]"
+RIGHT, LEFT = COUNTS.elements
 
 
-def put(log, **changes):
-    return {**log, **{globals()[key]: value for key, value in changes.items()}}
-
-
-def later(values, rows):
-    return np.concatenate((np.full(rows, values[0]), values[:-rows]))
-
-
-def in_row(log, row, name, value):
-    return put(log, **{name: np.where(np.arange(len(log[T])) == row, value, log[globals()[name]])})
-
-
-def reset(log):
-    at = len(log[T]) // 2
-    return put(log, RIGHT=np.concatenate((log[RIGHT][:at], log[RIGHT][at:] - log[RIGHT][at])))
-
-
-def turned_by(angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return lambda log: put(log, X=c * log[X] - s * log[Y], Y=s * log[X] + c * log[Y])
-
-
-CORRUPTIONS = {
-    "not a number": (lambda log: in_row(log, 300, "RIGHT", np.inf), "first in row 301"),
-    "time goes back": (lambda log: put(log, T=np.where(log[T] > 12, log[T] - 5, log[T])), "back"),
-    "times twice": (lambda log: put(log, T=np.floor(20 * log[T]) / 20), "time of the row before"),
-    "milliseconds": (lambda log: put(log, T=1e3 * log[T]), "milliseconds"),
-    "microseconds": (lambda log: put(log, T=1e6 * log[T]), "microseconds"),
-    "nanoseconds": (lambda log: put(log, T=1e9 * log[T]), "nanoseconds"),
-    "few rows": (lambda log: {k: v[:40] for k, v in log.items()}, "rows"),
-    "short": (lambda log: {k: v[:300] for k, v in log.items()}, "too short"),
-    "standing": (lambda log: put(log, RIGHT=0 * log[RIGHT], LEFT=0 * log[LEFT]), "moves in"),
-    "counter set back": (reset, "jumps"),
-    "counts lost": (lambda log: put(log, LEFT=log[LEFT] + 700 * (log[T] > 14)), "jumps"),
-    "torques swapped": (lambda log: put(log, TAU=log[TAU_LEFT], TAU_LEFT=log[TAU]), "swapped"),
-    "right torque reversed": (lambda log: put(log, TAU=-log[TAU]), "reversed"),
-    "left counter reversed": (lambda log: put(log, LEFT=-log[LEFT], X=log[X]), "reversed"),
-    "both reversed": (lambda log: put(log, TAU=-log[TAU], TAU_LEFT=-log[TAU_LEFT]), "reversed"),
-    "motion before torque": (
-        lambda log: put(log, TAU=later(log[TAU], 12), TAU_LEFT=later(log[TAU_LEFT], 12)),
-        "before its torque",
-    ),
-    "degrees": (lambda log: put(log, THETA=np.degrees(log[THETA])), "degrees"),
-    "millimetres": (lambda log: put(log, X=1e3 * log[X], Y=1e3 * log[Y]), "millimetres"),
-    "quarter counts": (
-        lambda log: put(log, RIGHT=np.floor(log[RIGHT] / 4), LEFT=np.floor(log[LEFT] / 4)),
-        "counts",
-    ),
-    "theta reversed": (lambda log: put(log, THETA=-log[THETA]), "reversed"),
-    "heading of REP 103": (lambda log: put(log, THETA=log[THETA] + np.pi / 2), "REP 103"),
-    "x and y exchanged": (lambda log: put(log, X=log[Y], Y=log[X]), "exchanged"),
-    "x reversed": (lambda log: put(log, X=-log[X]), "x or y is reversed"),
-    "y reversed": (lambda log: put(log, Y=-log[Y]), "x or y is reversed"),
-    "another frame": (turned_by(0.7), "at 130 degrees to theta"),
-    "three times the way": (lambda log: put(log, X=3 * log[X], Y=3 * log[Y]), "3.* times that"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("fault", CORRUPTIONS)
-def test_a_fault_is_told_by_name(posed, fault):
-    change, word = CORRUPTIONS[fault]
-    log = {key: np.asarray(value).tolist() for key, value in change(posed).items()}
-
+def assert_told(log, word):
     with pytest.raises(LogError, match=word) as told:
-        identify(log, overrides=KNOWN)
-
+        identify({key: values.tolist() for key, values in log.items()}, overrides=KNOWN)
     assert "\n" not in str(told.value)
+
+
+SCALED = """
+    t | 1e3 | milliseconds
+    t | 1e6 | microseconds
+    t | 1e9 | nanoseconds
+    wheel_counts[1] wheel_counts[2] | 0 | moves in
+    tau_right | -1 | reversed
+    wheel_counts[2] | -1 | reversed
+    tau_right tau_left | -1 | reversed
+    theta | 57.29577951308232 | degrees
+    theta | -1 | reversed
+    x y | 1e3 | millimetres
+    x y | 3 | 3.* times that
+    x | -1 | x or y is reversed
+    y | -1 | x or y is reversed
+"""
+
+
+@pytest.mark.parametrize("names, factor, word", cases(SCALED))
+def test_a_wrong_unit_or_sign_is_told_by_name(posed, names, factor, word):
+    assert_told(posed | {name: float(factor) * posed[name] for name in names.split()}, word)
+
+
+@pytest.mark.parametrize(
+    "one, other, word", [(*TORQUES, "swapped"), ("x", "y", "x and y are exchanged")]
+)
+def test_two_columns_that_are_exchanged_are_told(posed, one, other, word):
+    assert_told(posed | {one: posed[other], other: posed[one]}, word)
+
+
+def later(values):
+    return np.concatenate((np.full(12, values[0]), values[:-12]))
+
+
+def in_half(log, shift):
+    """The right counter with a shift in the second half of the log."""
+    half = np.arange(len(log["t"])) >= len(log["t"]) // 2
+    return {RIGHT: log[RIGHT] + half * shift(log[RIGHT][half][0])}
+
+
+FAULTS = {
+    "first in row 301": lambda log: {
+        RIGHT: np.where(np.arange(len(log["t"])) == 300, np.inf, log[RIGHT])
+    },
+    "back": lambda log: {"t": np.where(log["t"] > 12, log["t"] - 5, log["t"])},
+    "time of the row before": lambda log: {"t": np.floor(20 * log["t"]) / 20},
+    "rows": lambda log: {key: row[:40] for key, row in log.items()},
+    "too short": lambda log: {key: row[:300] for key, row in log.items()},
+    "jumps by -": lambda log: in_half(log, np.negative),
+    "jumps by 70": lambda log: in_half(log, lambda _: 705.0),
+    "before its torque": lambda log: {name: later(log[name]) for name in TORQUES},
+    "quarter of the counts": lambda log: {name: np.floor(log[name] / 4) for name in (RIGHT, LEFT)},
+    "REP 103": lambda log: {"theta": log["theta"] + np.pi / 2},
+    "at 130 degrees to theta": lambda log: {"theta": log["theta"] - 0.7},
+}
+
+
+@pytest.mark.parametrize("word", FAULTS)
+def test_a_fault_is_told_by_name(posed, word):
+    assert_told(posed | FAULTS[word](posed), word)
 
 
 def test_good_logs_are_not_accused(driven):
@@ -110,12 +108,11 @@ def test_good_logs_are_not_accused(driven):
 
 
 def test_poses_of_a_straight_drive_tell_no_ratio_of_turns():
-    rng, t = np.random.default_rng(0), np.arange(800) * 0.015
-    v = 0.3 * (np.floor(t / 1.5) % 3 - 1)
-    noise = rng.normal(0, 0.3, len(t))
-    log = of_columns("log", {"t": t, "v1": v, "omega": noise, "x": 0 * t,
-                             "y": np.cumsum(v) * 0.015, "theta": 0 * t})  # fmt: skip
-    samples = motion_of(log, paper(), "v1", ("v1", "omega"))
+    t = np.arange(800) * 0.015
+    v, rest = 0.3 * (np.floor(t / 1.5) % 3 - 1), 0 * t
+    noise, y = np.random.default_rng(0).normal(0, 0.3, len(t)), np.cumsum(v) * 0.015
+    columns = {"t": t, "v1": v, "omega": noise, "x": rest, "y": y, "theta": rest}
+    samples = motion_of(log := of_columns("log", columns), paper(), "v1", ("v1", "omega"))
 
     way, turn = lint.pose_ratios(log, samples)
 
@@ -124,92 +121,93 @@ def test_poses_of_a_straight_drive_tell_no_ratio_of_turns():
     lint.check_poses("log", log, samples)
 
 
-def test_poses_tell_the_size_of_the_wheels(driven):
-    log = of_columns("log", log_of(driven, 0, POSED))
-    samples = motion_of(
-        log, override(paper(), KNOWN | {"robot.r": 1.0, "robot.l": 1.0}), COUNTS.name
-    )
+def test_poses_tell_the_size_of_the_wheels(posed):
+    known = KNOWN | {"robot.r": 1.0, "robot.l": 1.0}
+    log = of_columns("log", posed)
 
-    r, turn = lint.pose_ratios(log, samples)
+    r, turn = lint.pose_ratios(log, motion_of(log, override(paper(), known), COUNTS.name))
 
-    assert r == pytest.approx(TRUTH.r, rel=0.02)
-    assert r / turn == pytest.approx(TRUTH.l, rel=0.02)
+    assert (r, r / turn) == pytest.approx((TRUTH.r, TRUTH.l), rel=0.02)
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    "header, word",
+    "text, word",
     [
-        ("t [s],wheel_counts[1] [1]", "belong together"),
-        ("time [s],v1 [m/s]", "named t"),
-        ("t [s],v1 [kg],omega [rad/s]", "does not fit it"),
+        ("t [s],wheel_counts[1] [1]\n1,1\n", "belong together"),
+        ("time [s],v1 [m/s]\n1,1\n", "named t"),
+        ("t [s],v1 [kg],omega [rad/s]\n1,1,1\n", "does not fit it"),
+        ("t [s],v1 [m/s],omega [rad/s]\n", "no rows"),
+        ("t,v1,omega\n1,2\n2,3\n", "line 2: it has another number of cells than the 3"),
+        ("t,v1,omega\n1,2,\n2,3,fast\n", 'line 3, column omega: "fast" is not a number'),
     ],
 )
-def test_headers_are_checked(tmp_path, header, word):
-    path = tmp_path / "log.csv"
-    row = ",".join("1" for _ in header.split(","))
-    path.write_text(f"{header}\n" + f"{row}\n" * 60)
+def test_tables_are_checked_and_nothing_else_is_printed(tmp_path, text, word):
+    (tmp_path / "log.csv").write_text(text)
 
     with pytest.raises(LogError, match=word):
-        identify(path)
+        identify(tmp_path / "log.csv")
 
 
-SAME = (
-    ("t", "s", 1.0, ("ms", 1e3), ("us", 1e6), ("ns", 1e9)),
-    ("x", "m", 1.0, ("mm", 1e3), ("cm", 1e2)),
-    ("theta", "rad", np.pi, ("deg", 180.0)),
-    ("omega", "rad/s", np.pi, ("deg/s", 180.0)),
-    ("wheel_speed[1]", "rad/s", 2 * np.pi, ("rpm", 60.0)),
-    ("v1", "m/s", 1.0, ("mm/s", 1e3)),
-    ("tau_right", "N.m", 1.0, ("N.mm", 1e3), ("Nm", 1.0), ("N m", 1.0)),
-    ("current_right", "A", 1.0, ("mA", 1e3)),
-    ("voltage_right", "V", 1.0, ("mV", 1e3)),
-    ("wheel_counts[1]", "1", 7.0, ("counts", 7.0), ("ticks", 7.0)),
-)
-"""A column, a size in our unit, and the same size in others."""
-TOGETHER = {
-    "x": ("y", "theta"), "theta": ("x", "y"), "omega": ("v1",), "v1": ("omega",),
-    "tau_right": ("tau_left",), "current_right": ("current_left",),
-    "voltage_right": ("voltage_left",),
-    "wheel_speed[1]": ("wheel_speed[2]",), "wheel_counts[1]": ("wheel_counts[2]",),
-}  # fmt: skip
+UNITS = """
+    t | v1 omega | ms | 1e3
+    t | v1 omega | us | 1e6
+    t | v1 omega | ns | 1e9
+    x | y theta | mm | 1e3
+    x | y theta | cm | 1e2
+    theta | x y | deg | 57.29577951308232
+    omega | v1 | deg/s | 57.29577951308232
+    v1 | omega | mm/s | 1e3
+    wheel_speed[1] | wheel_speed[2] | rpm | 9.549296585513721
+    wheel_counts[1] | wheel_counts[2] | ticks | 1
+    tau_right | tau_left | N.mm | 1e3
+    tau_right | tau_left | Nm | 1
+    current_right | current_left | mA | 1e3
+    voltage_right | voltage_left | mV | 1e3
+"""
 
 
-@pytest.mark.parametrize("row", SAME, ids=lambda row: row[0])
-def test_a_size_is_the_same_in_every_unit(row):
-    name, own, size, *others = row
+@pytest.mark.parametrize("name, others, unit, number", cases(UNITS))
+def test_a_size_is_the_same_in_every_unit(name, others, unit, number):
+    rest = others.split() if name == "t" else ["t", *others.split()]
+    columns = {key: [0.0, 1.0] for key in rest} | {f"{name} [{unit}]": [0.0, float(number)]}
 
-    for unit, number in ((own, size), *others):
-        log = {} if name == "t" else {"t [s]": [0.0, 1.0]}
-        log |= {key: [0.0, 0.0] for key in TOGETHER.get(name, ("v1", "omega"))}
-        read = of_columns("log", {**log, f"{name} [{unit}]": [0.0, number]})
-        values = read.times["v1"] if name == "t" else read.columns[name]
+    read = of_columns("log", columns)
 
-        assert values.tolist() == pytest.approx([0.0, size], rel=1e-15), unit
+    values = read.times["v1"] if name == "t" else read.columns[name]
+    assert values.tolist() == pytest.approx([0.0, 1.0], rel=1e-15)
 
 
 def test_factors_between_units_are_told_within_eight_per_cent_of_them():
     for factor, sense in FACTORS.items():
         for near in (0.96, 1.0, 1.04):
             assert unit_of(near * factor) == sense
-            other_way = " for ".join(reversed(sense.split(" for ")))
-            assert unit_of(1 / (near * factor)) == other_way
-        assert unit_of(0.8 * factor) is None
-        assert unit_of(1.2 * factor) is None
-
-
-def test_a_column_that_is_there_twice_is_refused():
-    columns = ("t [s]", "v1 [m/s]", "omega [rad/s]", "v1 [mm/s]")
-    with pytest.raises(LogError, match="two columns are named v1"):
-        of_columns("log", {key: [0.0, 1.0] for key in columns})
+            assert unit_of(1 / (near * factor)) == " for ".join(reversed(sense.split(" for ")))
+        assert unit_of(0.8 * factor) is unit_of(1.2 * factor) is None
 
 
 @pytest.mark.parametrize("constant", [0.0, -1.0, math.inf, math.nan])
 def test_a_torque_per_ampere_is_positive_and_finite(constant):
-    log = of_columns("log", {"t [s]": [0.0], "current_right [A]": [1.0], "current_left [A]": [2.0]})
+    log = of_columns("log", {"t": [0.0], "current_right": [1.0], "current_left": [2.0]})
 
     with pytest.raises(ArgumentError, match="positive and finite"):
         with_torques(log, constant)
-    assert with_torques(log, 0.5).pair(("tau_right", "tau_left"))[1].tolist() == [[0.5, 1.0]]
+
+
+@pytest.mark.parametrize(
+    "name, known, factor", [("current", (0.5,), 0.5), ("voltage", (3.0, 2.0), 1.5)]
+)
+def test_currents_and_voltages_are_torques_once_the_motor_is_known(name, known, factor):
+    log = of_columns("log", {"t": [0.0], f"{name}_right": [1.0], f"{name}_left": [2.0]})
+
+    with pytest.raises(LogError, match="--torque-constant"):
+        with_torques(log, None)
+    read = with_torques(log, *known)
+
+    assert read.pair(TORQUES)[1].tolist() == [[factor, 2 * factor]]
+    (said,) = read.remarks
+    assert f"torques are {name}_right and {name}_left times {factor:g}" in said
+    assert ("viscous friction" in said) is (name == "voltage")
 
 
 def test_the_smallest_step_of_an_angle_is_a_count_and_rounding_is_none():
@@ -219,30 +217,8 @@ def test_the_smallest_step_of_an_angle_is_a_count_and_rounding_is_none():
     read, counts = with_counts(log, None)
 
     assert counts == 500
-    assert read.columns[COUNTS.elements[0]] == pytest.approx([0, 3, 5, 5, 6])
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(
-    "rows, word",
-    [
-        ("", "no rows"),
-        ("1,2\n2,3\n", "line 2: it has another number of cells than the 3"),
-        ("1,2,3,4\n\n2,3\n", "line 2: it has another number of cells"),
-        ("1,2,\n2,3,fast\n", 'line 3, column omega: "fast" is not a number'),
-    ],
-)
-def test_tables_are_checked_and_nothing_else_is_printed(tmp_path, rows, word):
-    path = tmp_path / "log.csv"
-    path.write_text(f"t [s],v1 [m/s],omega [rad/s]\n{rows}")
-
-    with pytest.raises(LogError, match=word):
-        identify(path)
+    assert read.columns[RIGHT] == pytest.approx([0, 3, 5, 5, 6])
 
 
 def test_wheels_of_a_body_move_it_and_turn_it():
-    speed = np.array([[0.4, 1.0], [-0.2, -3.0]])
-    right, left = wheels(speed, 0.15).T
-
-    assert (right + left) / 2 == pytest.approx(speed[:, 0])
-    assert (right - left) / 0.3 == pytest.approx(speed[:, 1])
+    assert wheels(np.array([[0.4, 1.0]]), 0.15) == pytest.approx(np.array([[0.55, 0.25]]))

@@ -45,53 +45,29 @@ def test_a_drive_as_text_has_its_numbers_and_what_it_reaches():
     assert rows == ["0,0.25,-0.5,0,1,2", "0.1,0.5,1,3,4,5"]
 
 
-def driven_by(drive):
-    """The own plant, which follows with a loop of its own."""
-    wanted = np.column_stack((drive.v, drive.omega))
-    return simulate(TRUTH, 1, len(wanted) * TRUTH.period, 7, Drives("given", wanted=wanted), STEP)
-
-
-@pytest.fixture(scope="module")
-def after_a_circle():
-    """What the log of a circle tells, the drive that is proposed then, and the robot's on it."""
-    circle = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), STEP)
-    poor = identify(log_of(circle, 0), overrides=KNOWN)
-    drive = propose(poor, FLOOR)
-    return poor, drive, driven_by(drive)
-
-
-@pytest.mark.slow
-def test_a_drive_keeps_limits_and_floor_and_rests_at_both_ends(after_a_circle):
-    poor, drive, columns = after_a_circle
-    limits = poor.scenario.limits.v_u1
-
-    for speed, limit, fastest in zip((drive.v, drive.omega), limits, drive.fastest, strict=True):
-        assert speed[0] == speed[-1] == 0
-        assert np.abs(speed).max() <= limit
-        assert fastest <= limit
-    assert np.hypot(*drive.path[:, :2].T).max() <= drive.farthest <= FLOOR / 2
-    assert drive.to_csv().splitlines()[1].startswith("t [s],v [m/s],omega [rad/s]")
-
-    assert np.hypot(columns["x"], columns["y"]).max() <= FLOOR / 2
-    assert np.abs(columns["v1"]).max() <= limits[0]
-    assert np.abs(columns["omega"]).max() <= limits[1]
-
-
 def test_a_floor_that_no_drive_fits_is_refused(found):
     with pytest.raises(ArgumentError, match="above 0"):
         propose(found, 0.0)
 
 
 @pytest.mark.slow
-def test_after_a_circle_the_proposed_drive_tells_what_the_circle_could_not(after_a_circle):
+def test_after_a_circle_the_proposed_drive_tells_what_the_circle_could_not():
     """The loop that is meant: identify, propose, drive, identify.
 
     A circle tells no friction apart, and says so.
     """
-    poor, _, columns = after_a_circle
+    circle = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), STEP)
+    poor = identify(log_of(circle, 0), overrides=KNOWN)
+    plan = propose(poor, FLOOR)
+    wanted = np.column_stack((plan.v, plan.omega))
+    given = Drives("given", wanted=wanted)
+    columns = simulate(TRUTH, 1, len(wanted) * TRUTH.period, 7, given, STEP)
 
     better = identify(log_of(columns, 0), overrides=KNOWN)
 
+    assert np.hypot(columns["x"], columns["y"]).max() <= FLOOR / 2
+    for name, limit in zip(("v1", "omega"), poor.scenario.limits.v_u1, strict=True):
+        assert np.abs(columns[name]).max() <= limit
     for name in ("Fc", "Fv", "c"):
         assert poor.parameters[name].verdict == "undetermined"
     assert any("cannot be separated" in text for text in poor.remarks)

@@ -1,7 +1,6 @@
 """Bounds and numbers that a part of a log contradicts are named; good logs contradict none."""
 
 import math
-import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -15,21 +14,6 @@ from wmr_ctrl.identification import identify
 from wmr_ctrl.identification.fit import Fitted, changes
 from wmr_ctrl.identification.refuted import _monitor, contradictions, explaining
 
-PAUSE = 1.0
-
-
-def goes_on(driven, seconds=12.0, **changes):
-    """The first robot's log, and after a pause that of the same robot with other numbers."""
-    other = simulate(replace(TRUTH, **changes), 1, seconds, seed=5, step=STEP)
-    first, last = (
-        {key: np.array(value) for key, value in log.items()}
-        for log in (log_of(driven, 0), log_of(other, 0))
-    )
-    last["t [s]"] = last["t [s]"] + first["t [s]"][-1] + PAUSE
-    for key in ("wheel_counts[1] [1]", "wheel_counts[2] [1]"):
-        last[key] = last[key] - last[key][0] + first[key][-1]
-    return {key: np.concatenate((first[key], last[key])).tolist() for key in first}
-
 
 def test_a_good_log_contradicts_none_of_its_bounds(found):
     assert found.bounds.refuted == ()
@@ -37,34 +21,21 @@ def test_a_good_log_contradicts_none_of_its_bounds(found):
 
 
 @pytest.mark.slow
-def test_a_pause_changes_nothing(driven):
-    assert identify(goes_on(driven), overrides=KNOWN).bounds.refuted == ()
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes, key",
-    [({"m": 42.0}, "m was"), ({"gust": (12.0, 2.4, 0.5)}, "guard.dbar[2]")],
+    [({}, None), ({"m": 42.0}, "m was"), ({"gust": (12.0, 2.4, 0.5)}, "guard.dbar[2]")],
 )
 def test_what_changed_in_the_last_third_is_named_and_the_guard_is_off(driven, changes, key):
-    found = identify(goes_on(driven, **changes), overrides=KNOWN)
+    other = simulate(replace(TRUTH, **changes), 1, 12.0, seed=5, step=STEP)
 
+    found = identify([log_of(driven, 0), log_of(other, 0)], overrides=KNOWN)
+
+    assert found.scenario.guard.enabled is (key is None)
+    if key is None:
+        assert found.bounds.refuted == ()
+        return
     assert any(key in text for text in found.bounds.refuted), found.bounds.refuted
-    assert not found.scenario.guard.enabled
     assert any("the guard is off: a part of the log" in text for text in found.remarks)
-
-
-@pytest.mark.slow
-def test_a_load_taken_on_a_third_of_the_way_is_told_with_its_time_and_masses(driven):
-    found = identify(goes_on(driven, 48.0, m=36.0), overrides=KNOWN)
-
-    (text,) = found.bounds.refuted
-    before, when, after = map(float, re.findall(r"(?<![(\d.])\d+\.?\d*(?= \(| s )", text))
-    assert text.startswith("m was")
-    assert (before, when, after) == (
-        pytest.approx(30.0, rel=0.06), pytest.approx(24.5, abs=5.0), pytest.approx(36.0, rel=0.06)
-    )  # fmt: skip
-    assert not found.scenario.guard.enabled
 
 
 def test_clocks_that_drift_apart_look_like_a_delay_that_changed(driven):
@@ -125,23 +96,19 @@ def test_a_width_that_is_no_number_tells_no_change(monkeypatch):
     assert changed(np.where(np.arange(15) < 7, 0.0, 1.0)) == {}
 
 
-@pytest.mark.slow
 def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(found):
     """The monitor's least push: with it as dbar nothing contradicts, with a little less it does."""
     narrow = replace(found.bounds, dbar=(0.01, 0.01))
 
     against = contradictions(found.white, narrow)
-    enough = explaining(found.white, narrow)
 
-    assert {item.axis for item in against} <= {0, 1}
-    assert 1 in {item.axis for item in against}
-    assert contradictions(found.white, enough) == ()
+    assert 1 in {item.axis for item in against} <= {0, 1}
+    assert contradictions(found.white, explaining(found.white, narrow)) == ()
     for item in against:
         least = [0.0, 0.0]
         least[item.axis] = 0.999 * item.push
-        assert item.axis in {
-            each.axis for each in contradictions(found.white, replace(narrow, dbar=tuple(least)))
-        }
+        still = contradictions(found.white, replace(narrow, dbar=tuple(least)))
+        assert item.axis in {each.axis for each in still}
         assert "dbar" in item.against(narrow)
 
 
