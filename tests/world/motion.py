@@ -41,48 +41,45 @@ def scenario(changes):
     return scenario_of("paper-simulation", {**SHORT, **changes})
 
 
-def rows(count, rng):
-    """A motion that wanders with its way, torques of up to 10 N m, and random numbers."""
-    v = np.cumsum(rng.normal(0, 0.05, count))
-    w = np.cumsum(rng.normal(0, 0.1, count))
+def motion(count=400, late=0):
+    """Columns (N,) or (N, 2) of a motion that wanders with its way, torques and random numbers.
+
+    Torques of up to 10 N m are behind a constant delay of ``late`` rows.
+    """
+    rng = np.random.default_rng(7)
+    v, omega = (np.cumsum(rng.normal(0, size, count)) for size in (0.05, 0.1))
+    torque = rng.uniform(-10, 10, (count // 10 + 1, 2)).repeat(10, axis=0)[:count]
+    torque = np.vstack((np.zeros((late, 2)), torque))[:count]
     columns = {
-        "x": rng.normal(size=count), "y": rng.normal(size=count), "v1": v, "omega": w,
-        "path": np.cumsum(v) * 0.01, "theta": np.cumsum(w) * 0.01, "skid": 0.0 * v,
+        "x": rng.normal(size=count), "y": rng.normal(size=count), "v1": v, "omega": omega,
+        "path": np.cumsum(v) * 0.01, "theta": np.cumsum(omega) * 0.01, "skid": 0.0 * v,
+        "torque": torque, "tau_right": torque[:, 0], "tau_left": torque[:, 1],
     }  # fmt: skip
-    numbers = {
-        n: rng.uniform(-1, 1, (count, 2)) for n in ("gyro", "jitter", "gust", "velocity_loss")
-    }
-    torque = np.repeat(rng.uniform(-10, 10, (count // 10 + 1, 2)), 10, axis=0)
-    return [
-        {name: [float(values[k])] for name, values in columns.items()}
-        | {name: values[k].tolist() for name, values in numbers.items()}
-        | {"torque": torque[k].tolist(), "tau_right": [torque[k, 0]], "tau_left": [torque[k, 1]]}
-        | {"sample": [float(k)], "step": [float(k)]}
-        | {f"{n}_measured": [float(columns[n][k])] for n in ("x", "y", "theta")}
-        for k in range(count)
-    ]
+    columns |= {f"{name}_measured": columns[name] for name in ("x", "y", "theta")}
+    columns |= dict.fromkeys(("jitter", "gust"), rng.uniform(-1, 1, (count, 2)))
+    return columns | dict.fromkeys(("sample", "step"), np.arange(count))
 
 
-def fed(system, motion):
-    """Outputs of a System, one row for each of ``motion``."""
+def fed(system, columns):
+    """Outputs of a System, one row for each of the columns."""
     graph = system.function("fed", [ca.densify(system.update), ca.densify(system.y)])
     x, shown = system.x0, []
-    for row in motion:
-        given = [v for item in system.inputs for v in row[item.signal.name]]
-        draws = [v for item in system.draws for v in row[item.port.signal.name]]
-        x, y = evaluated(graph, given, x, system.p0, *([draws] if draws else []))
+    inputs = [item.signal.name for item in system.inputs]
+    draws = [item.port.signal.name for item in system.draws]
+
+    def at(row, names):
+        return np.hstack([[], *(columns[name][row] for name in names)])
+
+    for k in range(len(columns["x"])):
+        drawn = [at(k, draws)] if draws else []
+        x, y = evaluated(graph, at(k, inputs), x, system.p0, *drawn)
         shown.append(y.ravel())
     return np.array(shown)
 
 
-def delayed(motion, steps):
-    """The same with torques behind a constant delay of so many steps."""
-    names = ("torque", "tau_right", "tau_left")
-    zero = {"torque": [0.0, 0.0], "tau_right": [0.0], "tau_left": [0.0]}
-    return [
-        row | {n: motion[k - steps][n] if k >= steps else zero[n] for n in names}
-        for k, row in enumerate(motion)
-    ]
+def fed_to(effect, changes, columns):
+    """Outputs of an effect's System for a motion."""
+    return fed(effect.build(scenario(changes)), columns)
 
 
 def bound_of(effect, changes):
@@ -115,15 +112,3 @@ def acting(scenario, commands, draws=()):
         state, y = evaluated(graph, given, state, system.p0, *drawn)
         rows.append(y.ravel())
     return np.array(rows)
-
-
-WHEELED = {"r": 0.1, "l": 0.25, "radius": (0.02, -0.01), "track": 0.02}
-GROUND = {"m": 50.0, "g": 9.81, "l": 0.25, "v_s": 0.01}
-
-
-def assert_is_twin(effect, changes, twin, late=0):
-    """The System computes what its twin in plain Python does, fed with a motion that wanders."""
-    motion = delayed(rows(400, np.random.default_rng(7)), late)
-    wanted = np.array([twin(k, row) for k, row in enumerate(motion)])
-
-    assert np.abs(fed(effect.build(scenario(changes)), motion) - wanted).max() < 1e-12

@@ -1,18 +1,20 @@
 """Gusts."""
 
-import pytest
+import math
 
-from tests.world import twins
-from tests.world.motion import EFFECTS, assert_is_twin, bound_of
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from tests.world.motion import EFFECTS, bound_of, fed_to, motion
 from wmr_ctrl.world.gust import GUST
 
 
-@pytest.mark.slow
-def test_it_is_its_twin():
-    twin = twins.GustTwin({"size": (5.0, 1.0), "time": 0.1, "T": 0.01})
+def test_it_is_numbers_behind_a_filter_and_pushes_by_its_size_at_most():
+    columns = motion()
+    keep = math.exp(-0.01 / 0.1)
+    share = lfilter([1 - keep], [1, -keep], columns["gust"], axis=0)
 
-    assert_is_twin(GUST, EFFECTS["gust"], twin)
-
-
-def test_it_pushes_by_its_size_at_most():
+    assert fed_to(GUST, EFFECTS["gust"], columns) == pytest.approx(share * [5.0, 1.0], abs=1e-12)
     assert bound_of(GUST, EFFECTS["gust"]).dbar == (5.0, 1.0)
+    assert np.abs(share).max() > 0.1

@@ -5,12 +5,9 @@ import numpy as np
 import pytest
 
 from tests.world.motion import based
-from tests.world.test_world_structures import bits
-from wmr_ctrl import ArgumentError, ScenarioError, simulate
-from wmr_ctrl.codegen.build import build_batch, build_loop
+from wmr_ctrl import ArgumentError, ScenarioError, simulate, simulate_many
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.simulation.engines import run_numpy, runnable, runnable_of
-from wmr_ctrl.simulation.memory import Task, vector_sets
+from wmr_ctrl.simulation.engines import run_numpy, runnable
 from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.scenario import override
 from wmr_ctrl.world.standstill import STANDSTILL
@@ -60,17 +57,13 @@ def test_nothing_moves_a_base_that_stands():
 
 
 def test_every_engine_holds_it_alike():
-    setup = settle(override(pushed(rest=0.5), {"disturbance.std": 0.02}), "kanayama")
-    single, lanes = (
-        runnable_of(built, setup) for built in (build_loop(setup, watched=True), build_batch(setup))
-    )
-    alone = [bits([Task(single, seed)])[0] for seed in range(2)]
+    scenario = override(pushed(rest=0.5), {"disturbance.std": 0.02})
+    runs = [simulate(scenario, "kanayama", seed=seed) for seed in range(2)]
 
-    for item in vector_sets(lanes.compiled.library):
-        tasks = [Task(lanes, seed, vectors=item.name) for seed in range(item.lanes)]
-        assert bits(tasks)[:2] == alone
-    compiled = simulate(setup.scenario, "kanayama")
-    assert run_numpy(setup.scenario, "kanayama", 0)["x"] == pytest.approx(compiled["x"], abs=1e-9)
+    assert simulate_many(scenario, "kanayama", [0, 1])["final_x"].tolist() == [
+        run["x"][-1] for run in runs
+    ]
+    assert run_numpy(scenario, "kanayama", 0)["x"] == pytest.approx(runs[0]["x"], abs=1e-9)
 
 
 def test_a_plant_outside_of_the_loop_is_refused():

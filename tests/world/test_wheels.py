@@ -1,18 +1,17 @@
 """Wheels of another size than believed."""
 
-import casadi as ca
 import numpy as np
+import pytest
 
-from tests.world import twins
-from tests.world.motion import EFFECTS, WHEELED, fed, rows, scenario
-from wmr_ctrl.world.model.dynamics import wheel_to_force
+from tests.world.motion import EFFECTS, fed_to, motion
 from wmr_ctrl.world.wheels import WHEELS
 
 
 def test_wheels_turn_torque_into_force_as_their_size_says():
-    motion = rows(100, np.random.default_rng(8))
-    shown = fed(WHEELS.build(scenario(EFFECTS["wheels"])), motion)
-    forces = [wheel_to_force(ca.SX(0.1), ca.SX(0.25), ca.SX(torque)) for torque in shown.tolist()]
-    wanted = [twins.wheels_twin(WHEELED, row) for row in motion]
+    """The torque at believed wheels that makes the true forces and moments."""
+    columns = motion(100)
+    right, left = (columns["torque"] / (0.1 * (1 + np.array([0.02, -0.01])))).T
+    thrust, moment = right + left, 0.25 * 1.02 * (right - left)
+    wanted = 0.1 * np.column_stack((thrust + moment / 0.25, thrust - moment / 0.25)) / 2
 
-    assert np.allclose([[float(f[0]), float(f[1])] for f in forces], wanted, rtol=1e-13)
+    assert fed_to(WHEELS, EFFECTS["wheels"], columns) == pytest.approx(wanted, rel=1e-12)

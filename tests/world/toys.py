@@ -18,7 +18,6 @@ from wmr_ctrl.core.signals import (
     TIME,
     TORQUE,
     TORQUE_NOISE,
-    TRAVEL,
     Signal,
 )
 from wmr_ctrl.world.effect import Bound, Effect, EffectRole, Rate
@@ -77,33 +76,6 @@ GYRO = Effect(
 )
 
 
-# A sensor that counts the way: what an encoder stands on.
-
-
-class ToyEncoder(Section, key="toy_encoder"):
-    """How coarse it is."""
-
-    step: float = quantity(0.0, unit="m", doc="way of one count; 0: none", minimum=0)
-
-
-def encoder(scenario):
-    """Measured v1: the way since the previous sample, in whole steps, over the period."""
-    travel, p = port(TRAVEL), Parameters(scenario)
-    step, period = p.take("toy_encoder.step"), p.take("clock.control")
-    counted = step * ca.floor(travel.sym[0] / step + 0.5)
-    return System(
-        "toy_encoder",
-        "differenced counts",
-        inputs=(travel,),
-        params=p.ports,
-        outputs=(Output(MEASURED_VELOCITY[0], counted / period),),
-    )
-
-
-ENCODER = Effect("toy encoder", EffectRole.SENSOR, ToyEncoder, encoder)
-"""It states no bound: half a period late is more than the guard knows of."""
-
-
 # A drive with state: a torque that cannot jump.
 
 
@@ -127,11 +99,12 @@ def ramp(scenario):
         state=(old,),
         params=p.ports,
         update=following,
-        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE)),
+        outputs=outputs(TORQUE, following),
     )
 
 
 RAMP = Effect("toy ramp", EffectRole.DRIVE, ToyRamp, ramp, rate=Rate.STEP)
+"""It states no bound."""
 
 
 # A force on the body, in each plant step.
@@ -187,7 +160,7 @@ def gust(scenario):
         state=(state,),
         params=p.ports,
         update=following,
-        outputs=tuple(Output(signal, following[i]) for i, signal in enumerate(TORQUE_NOISE)),
+        outputs=outputs(TORQUE_NOISE, following),
         draws=(kick,),
     )
 
@@ -240,37 +213,4 @@ def clothoid(scenario):
 
 
 CLOTHOID = ReferenceKind("toy-clothoid", ToyClothoid, clothoid)
-
-
-# A drive that is late by a number of its own: the loop's queue has room for it.
-
-
-class ToyLate(Section, key="toy_late"):
-    """How late it is."""
-
-    time: float = quantity(0.0, unit="s", doc="how long a torque takes to arrive", minimum=0)
-
-
-def late(scenario):
-    """The torque that arrives."""
-    torque, p = ports(TORQUE), Parameters(scenario)
-    time = p.take("toy_late.time")
-    return System(
-        "toy_late",
-        "late drive",
-        inputs=torque,
-        params=p.ports,
-        outputs=tuple(Output(item.signal, item.sym) for item in torque),
-        transport=time,
-    )
-
-
-LATE = Effect(
-    "toy late drive",
-    EffectRole.DRIVE,
-    ToyLate,
-    late,
-    lambda scenario: Bound(delay=scenario.section(ToyLate).time),
-    rate=Rate.STEP,
-)
-EFFECTS = (GYRO, ENCODER, RAMP, SLOPE, GUST, LATE)
+EFFECTS = (GYRO, RAMP, SLOPE, GUST)
