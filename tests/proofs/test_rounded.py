@@ -10,7 +10,7 @@ from wmr_ctrl.control.filter.channels import WAYS, scaled
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from wmr_ctrl.world.scenario import load_scenario, preset_names
-from wmr_proofs.claims.filter_command_rounding import RIM, Limited
+from wmr_proofs.claims.filter_rounding import RIM, Limited
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import UNIT, Statement, above, at_least, equal, symbols
 

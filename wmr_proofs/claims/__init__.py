@@ -28,7 +28,7 @@ def all_claims() -> tuple[Claim, ...]:
 
 def forget() -> None:
     """Drop graphs that were kept, after a change of the product's functions in memory."""
-    from .network_axis import network_axis
+    from .network import network_axis
 
     network_axis.cache_clear()
 

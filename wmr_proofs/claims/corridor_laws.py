@@ -1,23 +1,42 @@
-"""Assumptions of the certified corridor about laws, guard and wheels off their limits.
+"""Assumptions of the certified corridor about laws, guard and wheels off their limits, and about
+commands: late ones, and those to bases that take velocities.
 
 Under the conditions that are checked for a scenario, the graph is what `wmr_ctrl.theory.corridor`
 reads.
 """
 
+from dataclasses import replace
+
 import casadi as ca
 
 from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
-from wmr_ctrl.control.guard.guard import MAPS, Bounds, guarded
+from wmr_ctrl.control.filter.channels import WAYS, Channel, scaled
+from wmr_ctrl.control.filter.governor import FirstOrder
+from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
+from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, guarded
 from wmr_ctrl.control.laws.prox import carried_plainly, mixture
 from wmr_ctrl.control.laws.velocity_loop import cut
+from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loops, wheel_speed_limit
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
+from wmr_ctrl.world.pose_sensor import reckoned
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3
-from wmr_proofs.statement import Statement, every, nonnegative, positive, symbols
+from wmr_proofs.statement import (
+    Relations,
+    Statement,
+    between,
+    every,
+    nonnegative,
+    positive,
+    symbols,
+    when,
+)
 
 from .common import EITHER_BARRIER
+from .effect_bounds import Jittering
 from .guard_axis import NUMBERS
 from .prox import Step
+from .wheels_and_encoders import EffectGraph
 
 claim = Claims(by=Z3())
 
@@ -135,3 +154,240 @@ def product(mutation: Mutation) -> Statement:
     largest = ca.fmax(P * P, Q * Q)
     size = mutation(4, 5) * ratio * abs(a * b)
     return Statement(t, largest >= size, given)
+
+
+NOTHING = FirstOrder(*(ca.SX(0) for _ in range(6)))
+NO_SIZE = (0.0, 0.0)
+SCALES = {
+    f"{key}-{scale}": {"scale": scale, "kinds": kinds}
+    for key, kinds in (("both", "axes wheels"), ("wheels", "wheels"))
+    for scale in ("curvature", "turn", "drive")
+} | {"axes": {"scale": "axes", "kinds": "axes"}}
+"""How a filter brings a command within its limits, and the speeds that it limits."""
+
+
+@claim("corridor.filter", each=SCALES)
+def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
+    """A command of which no limited speed is beyond its limit is sent as it is, whether the filter
+    limits axes and wheels, wheels alone, or with each axis its own factor axes alone; and whether
+    it has one factor, turns first or drives first.
+
+    On this condition the base gets what the law asks for.
+
+    Given: limits and l > 1e-29.
+    """
+    t = symbols("v omega l A B C", "l A B C")
+    v, omega, l, A, B, C = t.values()
+    axes = [Channel((1 - i, i), ca.SX(1), (NOTHING,), NO_SIZE) for i in (0, 1)] * ("axes" in kinds)
+    wheels = [Channel((1, way), l, (NOTHING,), NO_SIZE) for way in WAYS] * ("wheels" in kinds)
+    most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
+    channels, asked = [*axes, *wheels], (v, omega)
+    sent = scaled(asked, channels, [-item for item in most], most, scale)
+    given = [item > 1e-29 for item in (l, A, B, C)]
+    for channel, size in zip(channels, most, strict=True):
+        given.append(mutation(1, 2) * size >= abs(channel.of(asked)))
+    return Statement(t, every(sent, ca.vertcat(*asked)), given)
+
+
+@claim("corridor.dead-band")
+def dead_band(mutation: Mutation) -> Statement:
+    """a command behind the dead band is off by at most its size, and by nothing where it is larger.
+
+    What the dead band does counts as an error of the command.
+
+    Given: any size >= 0.
+    """
+    g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, {"base.deadband": [0.01, 0.01]})
+    goals, most = list[Relations](), g.bound("dropped")
+    for i in (0, 1):
+        size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
+        beyond = abs(g.system.u[i]) > size
+        goals.append(mutation(1, 0.9) * abs(most[i]) >= abs(off))
+        goals.append(ca.if_else(beyond, abs(off), 0) <= 0)
+    return g.states(goals, given=nonnegative(*ca.vertsplit(g.column("base.deadband"))))
+
+
+@claim("corridor.wheel-speed")
+def wheel_speed(mutation: Mutation) -> Statement:
+    """|v + l omega|, |v - l omega| <= r w_max imply that the firmware leaves the command as it is.
+
+    On this condition no wheel's speed is clipped.
+
+    Given: r, l, w_max > 0.
+    """
+    g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, {"base.w_max": 10.0})
+    r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
+    speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
+    slow = [mutation(1, 2) * r * most >= speed for speed in speeds]
+    given = positive(r, l, most), slow
+    return g.states(every(g.system.y, g.system.u), given=given)
+
+
+@claim("corridor.pi-loop")
+def pi_loop(mutation: Mutation) -> Statement:
+    """the PI loop whose integral may rest does what the one does whose integral never rests.
+
+    Without a torque limit that acts, the certificate may take the loop for a linear one.
+
+    Given: r, l, tau_max > 0; no wheel is at its torque limit.
+    """
+    loops = ({"base.loop": "pi", "base.antiwindup": resting} for resting in (True, False))
+    g, plain = (EffectGraph(speed_loops.SPEED_LOOP, numbers) for numbers in loops)
+    own = g.system
+    graph = plain.system.function("plain", [plain.system.update, plain.system.y])
+    following, torque = graph(own.u, own.x, own.p)
+    most = g["actuator.tau_max"]
+    weak = [mutation(1, 2) * most > abs(torque[i]) for i in (0, 1)]
+    given = g.above_zero("robot.r", "robot.l", "actuator.tau_max"), weak
+    return g.states(every(own.update, following), every(own.y, torque), given=given)
+
+
+@claim(
+    "corridor.guard-late",
+    each={"constant": {"jitters": False}, "jitter": {"jitters": True}},
+)
+def late_guard(mutation: Mutation, jitters: bool) -> Statement:
+    """F + S (w + ahead + a) <= S u1 - net and c F + S (w + ahead) <= S u1 - c net for w = y + nbar
+    and for w = f_speed, the same with 0 for F, all of it backwards too, and |F| at most the largest
+    force, imply that the guard leaves F as it is, and that 0 is safe; behind a constant delay and
+    with jitter.
+
+    On these conditions the law drives as if there were no guard, though commands are late.
+
+    Given: M_min, M_max, T, alpha, u1, delay > 0, S = M_min alpha, net >= 0; ahead, back, and what
+    the last command adds to them until the new one is sure to act: a >= 0, 0 without jitter; c = 1
+    + alpha J >= 1.
+    """
+    t = symbols(f"{NUMBERS} y force J delay mixed ahead back a_ahead a_back slope stretch braking "
+                "largest", f"{NUMBERS} J delay mixed slope stretch braking largest")  # fmt: skip
+    b = Bounds(**{name: t[name] for name in NUMBERS.split()}, delay=t.delay)
+    coming = InFlight(t.ahead, t.back)
+    if jitters:
+        b = replace(b, jitter=t.J, mixed=t.mixed)
+        coming = replace(coming, again=InFlight(t.a_ahead, t.a_back))
+    S, c = t.slope, t.stretch if jitters else ca.SX(1)
+    cuts = {"slope": b.M_min * b.alpha, "braking": b.braking, "largest": largest_force(b)}
+    if jitters:
+        cuts["stretch"] = 1 + b.alpha * t.J
+    sizes = list[Relations]()
+    for way, side in ((1, "ahead"), (-1, "back")):
+        for w in (way * t.y + t.nbar, t.f_speed):
+            for F in (way * t.force, ca.SX(0)):
+                room = S * (t.u1 - w - t[side])
+                again = t[f"a_{side}"] if jitters else ca.SX(0)
+                sizes.append(room - S * again >= F + b.net)
+                if jitters:
+                    sizes.append(room >= c * mutation(1, 0.5) * (F + b.net))
+    if not jitters:
+        sizes[0] = mutation(1, 2) * S * (t.u1 - t.y - t.nbar - t.ahead) >= t.force + b.net
+    given = (
+        positive(t.M_min, t.M_max, t.alpha, t.period, t.u1, t.delay, S),
+        [c >= 1] * jitters, nonnegative(b.net, t.a_ahead, t.a_back),
+        t.largest >= abs(t.force), sizes,
+    )  # fmt: skip
+    goals = tuple(clipped(asked, t.y, b, coming) == asked for asked in (t.force, ca.SX(0)))
+    return Statement(t, goals, given, cuts)
+
+
+@claim("corridor.guard-sums")
+def late_sums(mutation: Mutation) -> Statement:
+    """what two commands that may act for tau_j count for is at most sum tau_j (F_j + N)/M_min ahead
+    and sum tau_j (N - F_j)/M_min back; of a piece in which either may act, with one of the two.
+
+    So what the guard counts is linear in the commands, and an output of the loop.
+
+    Given: M_min, T > 0, tau_j >= 0; |F_j| <= N, N >= net.
+    """
+    t = symbols(f"{NUMBERS} F1 F2 N t1 t2", f"{NUMBERS} t1 t2")
+    b = Bounds(**{name: t[name] for name in NUMBERS.split()})
+    first, second = (ca.vertcat(t[name], 0) for name in ("F1", "F2"))
+    sums = in_flight([(first, t.t1), (ca.horzcat(second, first), t.t2)], 0, b)
+    scale, size = t.period / t.M_min, mutation(1, 0.5) * t.N
+    goals = list[Relations]()
+    for way, side in ((1, sums.ahead), (-1, sums.back)):
+        worst = ca.fmax(way * t.F1, way * t.F2)
+        most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
+        goals.append(scale * most >= side)
+    largest = b.net <= t.N, abs(t.F1) <= t.N, abs(t.F2) <= t.N
+    given = positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest
+    return Statement(t, goals, given)
+
+
+@claim(
+    "corridor.jitter",
+)
+def overtaken(mutation: Mutation) -> Statement:
+    """what acts is the command that arrived last or the one before it, and what is given is so
+    again in the next plant step.
+
+    Drives with jitter let one of the last two commands act, never an older one.
+
+    Given: jitter a multiple of h, h > 0; each time drawn within it; what waits is the command that
+    arrived last, and what acts is it or the one before, it from the time drawn for it on.
+    """
+    g = Jittering()
+    h, width, t = g["clock.plant"], g["actuator.jitter"], g.free | symbols("older")
+    now, waiting, wait = (part[0] for part in ca.vertsplit(g.system.update, [0, 2, 4, 5]))
+    acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
+                         for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
+    arrived = g["tau_right"]
+    before = ca.if_else(t.phase <= 0, last, t.older)
+    given = (
+        h > 0, width == t.most * h, between(0, t.drawn, t.most),
+        t.phase >= 0, t.steps >= 1, t.steps >= t.phase + 1,
+        t.steps >= due, due >= 0, when(t.phase > 0, last == arrived),
+        (acting - last) * (acting - mutation(t.older, t.older + 1)) == 0,
+        when(ca.logic_and(t.phase <= 0, due < t.steps), acting == last),
+    )  # fmt: skip
+    one_of = (now - arrived) * (now - before) == 0
+    goals = one_of, waiting == arrived, when(t.phase >= wait, now == arrived)
+    return g.states(goals, given=given, cuts=g.cuts, more=t)
+
+
+@claim("corridor.ramp")
+def ramped(mutation: Mutation) -> Statement:
+    """a ramp leads towards its goal and not past it, in a plant step by a h or all that is left,
+    or as far as 0 where it has to turn round.
+
+    On the way from one command to the next what acts lies between them, and is there in time.
+
+    Given: h, a > 0; a at most accel and decel.
+    """
+    g = EffectGraph(command_ramp.COMMAND_RAMP, {"base.accel": [1.0, 1.0]})
+    a, goals = symbols("a", "a"), list[Relations]()
+    h, given = g["clock.plant"], list[Relations]()
+    for i in (0, 1):
+        now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
+        after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]
+        given += [rate >= a["a"] for rate in rates]
+        left, was = abs(wanted - after), abs(wanted - now)
+        goals.append((after - now) * (wanted - after) >= 0)
+        taken = ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0) >= left
+        goals.append(when(now * wanted >= 0, taken))
+        goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
+    goals += every(g.system.update, g.system.y)
+    return g.states(goals, given=(positive(h, a["a"]), given), more=a)
+
+
+@claim("corridor.reckoning")
+def reckoning(mutation: Mutation) -> Statement:
+    """after a period of dead reckoning the second is off by b as before, and in its position by
+    what it was and T v times the difference of both directions.
+
+    A reckoned pose that began off the true one goes on being off so, and turns no further away.
+
+    Given: two poses, the second off by (dx, dy, b); one velocity.
+    """
+    t = symbols("x y theta dx dy b v omega T s c s_off c_off")
+    there, off = ca.vertcat(t.x, t.y, t.theta), ca.vertcat(t.dx, t.dy, t.b)
+    v = ca.vertcat(t.v, t.omega)
+    first, second = (reckoned(pose, v, t.T) for pose in (there, there + off))
+    turned = t.T * t.omega
+    cuts = {
+        "s": ca.sin(t.theta + turned), "c": ca.cos(t.theta + turned),
+        "s_off": ca.sin(t.theta + t.b + turned),
+        "c_off": ca.cos(t.theta + t.b + turned),
+    }  # fmt: skip
+    way = mutation(1, 2) * t.T * t.v
+    apart = ca.vertcat(-way * (t.s_off - t.s), way * (t.c_off - t.c), 0)
+    return Statement(t, every(second - first, off + apart), (), cuts)

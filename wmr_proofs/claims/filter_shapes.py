@@ -32,7 +32,7 @@ from wmr_proofs.statement import (
 from .command_filter import sound
 from .common import elements_of, ports_of
 from .filter_assembled import ALIKE, STATED
-from .filter_band_times import BANDED
+from .filter_band import BANDED
 from .filter_loops import LINEAR, SLOW
 
 claim = Claims(by=Z3())
