@@ -15,7 +15,7 @@ from operator import mul
 from types import FrameType, FunctionType
 from typing import Any
 
-import casadi as ca
+from casadi import SX
 
 from wmr_ctrl.world.model.system import Port, System
 
@@ -96,7 +96,7 @@ def _stand_in(*args: object, **named: object) -> object:
 
 def changed(value: object, change: Change) -> object:
     """A result with ``change`` applied to every expression in it."""
-    if isinstance(value, ca.SX | Traced):
+    if isinstance(value, SX | Traced):
         return change(value)
     if isinstance(value, Port):
         return value
@@ -133,7 +133,7 @@ def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
 
 def _read(claim: Claim, names: Sequence[str]) -> set[str]:
     """Functions whose results the graph reads: each result is multiplied by a symbol."""
-    marks = {name: ca.SX.sym(f"result {k}") for k, name in enumerate(names)}
+    marks = {name: SX.sym(f"result {k}") for k, name in enumerate(names)}
     changes = {name: partial(_marked, mark) for name, mark in marks.items()}
     statement = built(claim, changes, marks) if marks else None
     parts = (statement, *statement.parts.values()) if statement else ()
@@ -152,14 +152,14 @@ def _held(claim: Claim, factors: Mapping[str, float], digest: str) -> set[str]:
     return set().union(*(_held(claim, dict(half), digest) for half in halves))
 
 
-def _marked(mark: ca.SX, value: Any) -> Any:
+def _marked(mark: SX, value: Any) -> Any:
     if isinstance(value, Traced):
         return Traced(float(value), mark * value.expr, value.trace)
     return mark * value
 
 
 def built(
-    claim: Claim, changes: Mapping[str, Change] = {}, marks: Mapping[str, ca.SX] = {}
+    claim: Claim, changes: Mapping[str, Change] = {}, marks: Mapping[str, SX] = {}
 ) -> Statement | None:
     """The claim's statement with altered functions; None if it cannot be built so.
 
@@ -183,7 +183,7 @@ def built(
     return statement
 
 
-def _with_marks(statement: Statement, marks: Mapping[str, ca.SX]) -> Statement:
+def _with_marks(statement: Statement, marks: Mapping[str, SX]) -> Statement:
     parts = {key: _with_marks(part, marks) for key, part in statement.parts.items()}
     return replace(statement, symbols={**statement.symbols, **marks}, parts=parts)
 

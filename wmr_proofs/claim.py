@@ -26,7 +26,7 @@ from typing import Any, TypeVar
 
 from wmr_ctrl.core.data import data
 
-from .methods.spec import Method
+from .methods.spec import Z3, Method
 from .statement import Statement, joined
 
 SHARED = data(__package__, "shared.toml")
@@ -50,6 +50,7 @@ class Mutation(float):
         return Mutation(-float(self))
 
 
+BY_Z3 = Z3()
 CLAIMED, MUTATED = Mutation(1.0), Mutation(-1.0)
 
 
@@ -84,7 +85,7 @@ class Claim:
 class Claims:
     """The claims of one file in their order, and their defaults."""
 
-    by: Method | str | Callable[..., Method] | None = None
+    by: Method | str | Callable[..., Method] = BY_Z3
     form: str = OURS
     given: str = ""
     meaning: str = ""

@@ -17,10 +17,11 @@ from functools import cached_property
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import casadi as ca
+from casadi import SX, vertcat
 
 import wmr_ctrl.world.model.graph as compiled_graph
 
-Expressions: TypeAlias = Mapping[str, ca.SX]
+Expressions: TypeAlias = Mapping[str, SX]
 """Expressions by name."""
 Ask: TypeAlias = Callable[[Hashable], bool]
 """Decides a condition that an arithmetic cannot decide."""
@@ -80,7 +81,7 @@ class ProvedGraph:
 
 def graph_of(
     inputs: Expressions,
-    outputs: Sequence[ca.SX],
+    outputs: Sequence[SX],
     cuts: Expressions | None = None,
     numbers: Mapping[str, float] | None = None,
 ) -> ProvedGraph:
@@ -93,7 +94,7 @@ def graph_of(
     """
     cut = dict(cuts or {})
     symbols = {symbol.element_hash() for symbol in inputs.values()}
-    every = ca.symvar(ca.vertcat(*outputs, *cut.values()))
+    every = ca.symvar(vertcat(*outputs, *cut.values()))
     unnamed = {f"?{one.name()}": one for one in every if one.element_hash() not in symbols}
     given = {**inputs, **unnamed}
     compiled, places = _compiled(given, (*outputs, *cut.values()))
@@ -110,19 +111,19 @@ def graph_of(
     return _compact(graph)
 
 
-def is_parameter(symbol: ca.SX) -> bool:
+def is_parameter(symbol: SX) -> bool:
     """True if a symbol is a number of the scenario: those have dotted keys."""
     return "." in symbol.name()
 
 
-def _compiled(given: Expressions, exprs: Sequence[ca.SX]) -> tuple[compiled_graph.Graph, list[int]]:
+def _compiled(given: Expressions, exprs: Sequence[SX]) -> tuple[compiled_graph.Graph, list[int]]:
     """Graph for the emitter, with the index of every symbol in ``given`` preserved."""
-    groups = {False: ca.SX.zeros(len(given)), True: ca.SX.zeros(len(given))}
+    groups = {False: SX.zeros(len(given)), True: SX.zeros(len(given))}
     for row, symbol in enumerate(given.values()):
         for group in groups:
             kept = is_parameter(symbol) == group
-            groups[group][row] = symbol if kept else ca.SX.sym("unused")
-    function = ca.Function("graph", [groups[False], groups[True]], [ca.densify(ca.vertcat(*exprs))])
+            groups[group][row] = symbol if kept else SX.sym("unused")
+    function = ca.Function("graph", [groups[False], groups[True]], [ca.densify(vertcat(*exprs))])
     graph = compiled_graph.read(function, ("x", compiled_graph.PARAMETERS), ("y",))
     return graph, [store.node for store in sorted(graph.stores, key=lambda store: store.index)]
 

@@ -18,12 +18,13 @@ from math import frexp
 from typing import TypeAlias
 
 import casadi as ca
+from casadi import SX, substitute, vertcat, vertsplit
 
 from .graph import LOGICAL, Expressions, ProvedGraph, ProvedNode, graph_of
 
 EQUAL, AT_LEAST, ABOVE = "=", ">=", ">"
-Number: TypeAlias = ca.SX | float
-Cuts = dict[str, ca.SX]
+Number: TypeAlias = SX | float
+Cuts = dict[str, SX]
 """Expressions by name, to be added to: those that become free inputs of a statement."""
 
 
@@ -31,7 +32,7 @@ Cuts = dict[str, ca.SX]
 class Relation:
     """``expr`` compared with 0: ``=``, ``>=`` or ``>``."""
 
-    expr: ca.SX
+    expr: SX
     kind: str
 
 
@@ -44,12 +45,12 @@ def listed(relations: Relations) -> tuple[Relation, ...]:
     """Relations of all groups, in one list."""
     if isinstance(relations, Relation):
         return (relations,)
-    if isinstance(relations, ca.SX):
+    if isinstance(relations, SX):
         return (compared(relations),)
     return tuple(item for part in relations for item in listed(part))
 
 
-def compared(truth: ca.SX) -> Relation:
+def compared(truth: SX) -> Relation:
     """What a comparison states; one that CasADi has decided is 0 = 0 or 1 = 0.
 
     ValueError for another expression.
@@ -65,17 +66,17 @@ def compared(truth: ca.SX) -> Relation:
 
 def equal(left: Number, right: Number = 0) -> Relation:
     """left = right."""
-    return Relation(ca.SX(left) - right, EQUAL)
+    return Relation(SX(left) - right, EQUAL)
 
 
 def at_least(left: Number, right: Number = 0) -> Relation:
     """left >= right."""
-    return Relation(ca.SX(left) - right, AT_LEAST)
+    return Relation(SX(left) - right, AT_LEAST)
 
 
 def above(left: Number, right: Number = 0) -> Relation:
     """left > right."""
-    return Relation(ca.SX(left) - right, ABOVE)
+    return Relation(SX(left) - right, ABOVE)
 
 
 def positive(*exprs: Number) -> tuple[Relation, ...]:
@@ -93,20 +94,20 @@ def between(low: Number, value: Number, high: Number) -> tuple[Relation, Relatio
     return at_least(value, low), at_least(high, value)
 
 
-def within(value: ca.SX, bound: Number) -> tuple[Relation, ...]:
+def within(value: SX, bound: Number) -> tuple[Relation, ...]:
     """|value| <= bound, for each element of a column."""
-    most = ca.SX(bound) * ca.SX.ones(value.shape)
-    pairs = zip(ca.vertsplit(value), ca.vertsplit(most), strict=True)
+    most = SX(bound) * SX.ones(value.shape)
+    pairs = zip(vertsplit(value), vertsplit(most), strict=True)
     return tuple(side for x, end in pairs for side in (at_least(end, x), at_least(x, -end)))
 
 
-def when(condition: ca.SX, relations: Relations) -> tuple[Relation, ...]:
+def when(condition: SX, relations: Relations) -> tuple[Relation, ...]:
     """``condition`` implies the relations, which must be true for the expression 0."""
     found = listed(relations)
     return tuple(Relation(ca.if_else(condition, item.expr, 0), item.kind) for item in found)
 
 
-def every(left: ca.SX, right: ca.SX) -> tuple[Relation, ...]:
+def every(left: SX, right: SX) -> tuple[Relation, ...]:
     """Element-wise equality of two columns."""
     both = ca.vec(left - right)
     return tuple(equal(both[i]) for i in range(both.numel()))
@@ -292,14 +293,14 @@ def instance(proved: Statement, values: Expressions) -> tuple[Relation, ...]:
 def valued(relations: Relations, names: Expressions, values: Expressions) -> tuple[Relation, ...]:
     """The relations with the symbols of these names replaced by ``values``."""
     old, stated = [names[name] for name in values], listed(relations)
-    put = ca.substitute([item.expr for item in stated], old, [*values.values()])
+    put = substitute([item.expr for item in stated], old, [*values.values()])
     return tuple(Relation(e, item.kind) for e, item in zip(put, stated, strict=True))
 
 
-class Symbols(dict[str, ca.SX]):
+class Symbols(dict[str, SX]):
     """Scalar symbols by name, ``t["x"]`` or ``t.x``."""
 
-    def __getattr__(self, name: str) -> ca.SX:
+    def __getattr__(self, name: str) -> SX:
         try:
             return self[name]
         except KeyError:
@@ -321,7 +322,7 @@ class Named(Expressions):
     symbols: Symbols
     always: Relations = ()
 
-    def __getitem__(self, name: str) -> ca.SX:
+    def __getitem__(self, name: str) -> SX:
         return self.symbols[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -333,7 +334,7 @@ class Named(Expressions):
     def __or__(self, more: Expressions) -> Symbols:
         return self.symbols | more
 
-    def __getattr__(self, name: str) -> ca.SX:
+    def __getattr__(self, name: str) -> SX:
         if name == "symbols":
             raise AttributeError(name)
         return getattr(self.symbols, name)
@@ -352,7 +353,7 @@ class Named(Expressions):
 def symbols(names: str, fixed: str = "") -> Symbols:
     """Fresh scalar symbols by name; those in ``fixed`` are parameters for the compiler."""
     known = set(fixed.split())
-    return Symbols({n: ca.SX.sym(f"p.{n}" if n in known else n) for n in names.split()})
+    return Symbols({n: SX.sym(f"p.{n}" if n in known else n) for n in names.split()})
 
 
 def column(name: str, size: int, fixed: bool = False) -> Symbols:
@@ -361,12 +362,12 @@ def column(name: str, size: int, fixed: bool = False) -> Symbols:
     return symbols(names, names if fixed else "")
 
 
-def exchanged(expr: ca.SX, old: Expressions, new: Expressions) -> ca.SX:
+def exchanged(expr: SX, old: Expressions, new: Expressions) -> SX:
     """The expression with the symbols ``old`` replaced by those of equal name in ``new``."""
     both = [(old[name], new[name]) for name in old if name in new]
-    return ca.substitute(expr, *(ca.vertcat(*side) for side in zip(*both, strict=True)))
+    return substitute(expr, *(vertcat(*side) for side in zip(*both, strict=True)))
 
 
-def stacked(table: Expressions, name: str, size: int) -> ca.SX:
+def stacked(table: Expressions, name: str, size: int) -> SX:
     """Column of name1 to name<size> out of a table."""
-    return ca.vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))
+    return vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))

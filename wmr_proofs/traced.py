@@ -20,6 +20,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
+from casadi import SX
 
 from wmr_ctrl.world.scenario import Scenario
 
@@ -30,17 +31,17 @@ NEGATED = {"lt": "ge", "ge": "lt", "gt": "le", "le": "gt", "eq": "ne", "ne": "eq
 class Tracing:
     """Symbols by the keys of their numbers, and the conditions that were met."""
 
-    symbols: dict[str, ca.SX] = field(default_factory=dict)
-    met: list[ca.SX] = field(default_factory=list)
+    symbols: dict[str, SX] = field(default_factory=dict)
+    met: list[SX] = field(default_factory=list)
 
 
 class Traced(float):
     """A number, its expression, and the record of comparisons."""
 
-    expr: ca.SX
+    expr: SX
     trace: Tracing
 
-    def __new__(cls, value: float, expr: ca.SX, trace: Tracing) -> Traced:
+    def __new__(cls, value: float, expr: SX, trace: Tracing) -> Traced:
         """The number ``value`` with the expression ``expr``."""
         made = super().__new__(cls, value)
         made.expr, made.trace = expr, trace
@@ -58,9 +59,9 @@ class Traced(float):
         return bool(self != 0.0)
 
 
-def expression(number: float) -> ca.SX:
+def expression(number: float) -> SX:
     """The expression of a number, traced or not."""
-    return number.expr if isinstance(number, Traced) else ca.SX(number)
+    return number.expr if isinstance(number, Traced) else SX(number)
 
 
 def _reckoned(apply: Callable[[Any, Any], Any], swapped: bool) -> Callable[[Traced, float], Traced]:
@@ -148,7 +149,7 @@ def traced(
     trace = Tracing()
 
     def symbol(key: str, value: float) -> Traced:
-        trace.symbols[key] = ca.SX.sym(key)
+        trace.symbols[key] = SX.sym(key)
         return Traced(value * share, trace.symbols[key], trace)
 
     def stands(value: object) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 
-import casadi as ca
+from casadi import gradient, if_else, log
 
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
@@ -42,7 +42,7 @@ def falls_with_target(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}; v_c0 >= 0, v != v_c1 (A != 0).
     """
     a = BarrierAxis()
-    slope = ca.gradient(a.V / a.A, a.all[1]) * a.A**2
+    slope = gradient(a.V / a.A, a.all[1]) * a.A**2
     return a.states(slope == mutation * a.V - a.w * a.A, -0.5 * a.w**2 >= slope)
 
 
@@ -55,8 +55,8 @@ def rises(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a, v, _, _, _ = barrier_axis()
-    rise = ca.gradient(a.A, v)
-    return a.states(ca.gradient(a.V, v) == a.A, rise >= mutation(1, 2))
+    rise = gradient(a.A, v)
+    return a.states(gradient(a.V, v) == a.A, rise >= mutation(1, 2))
 
 
 @claim("authority.lower-{name}", (9,), by=of_axis(table.low_points), over=AXES)
@@ -104,8 +104,8 @@ def links(mutation: Mutation) -> Statement:
     """
     a, v, _, u1, _ = barrier_axis()
     t = a | symbols("b before first last rho high", "rho high")
-    begin = ca.if_else(t.first, a.x + t.high / t.rho, t.before)
-    short = ca.if_else(t.last, u1 - 1.01 * table.CLIP - t.b, 0)
+    begin = if_else(t.first, a.x + t.high / t.rho, t.before)
+    short = if_else(t.last, u1 - 1.01 * table.CLIP - t.b, 0)
     longer = t.b - v - mutation(0, 1)
     return Statement(t, (begin >= v, short <= 0, longer > 0))
 
@@ -117,9 +117,9 @@ def rows_cover(mutation: Mutation) -> Statement:
     The table has no gap in v_c0.
     """
     t = symbols("c before first last")
-    begin = ca.if_else(t.first, t.c, 0)
-    end = ca.if_else(t.last, t.c - table.LARGEST_TARGET * mutation(1, 1.01), 0)
-    rise = ca.if_else(t.first, 1, t.c - t.before)
+    begin = if_else(t.first, t.c, 0)
+    end = if_else(t.last, t.c - table.LARGEST_TARGET * mutation(1, 1.01), 0)
+    rise = if_else(t.first, 1, t.c - t.before)
     return Statement(t, (begin == 0, end == 0, rise > 0))
 
 
@@ -160,7 +160,7 @@ def shape(mutation: Mutation) -> Statement:
     s = (u1 - v) / d
     return a.states(
         a.A * d * s == (1 - s) * (1 + mutation * d**2 * s),
-        equal(a.V, 0.5 * d**2 * (1 - s) ** 2 - ca.log(s) - (1 - s)),
+        equal(a.V, 0.5 * d**2 * (1 - s) ** 2 - log(s) - (1 - s)),
         c - u1 == 1 / d - d,
     )
 

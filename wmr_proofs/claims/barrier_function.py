@@ -1,6 +1,6 @@
 """The barrier function and its minimiser: Eqs. (10)-(20), (74)-(81)."""
 
-import casadi as ca
+from casadi import gradient, hessian, if_else, vertcat
 
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
@@ -40,7 +40,7 @@ def two_axes(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     one, two = BarrierAxis("1"), BarrierAxis("2")
-    columns = [ca.vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
+    columns = [vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
     goal = total_barrier(*columns) == one.V + mutation * two.V
     return one.states(goal, more=two)
 
@@ -115,7 +115,7 @@ def slope(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a = BarrierAxis()
-    return a.states(ca.gradient(a.V, a.all[0]) == mutation * a.A)
+    return a.states(gradient(a.V, a.all[0]) == mutation * a.A)
 
 
 @claim("eq75", (11, 75))
@@ -127,8 +127,8 @@ def curvature(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a, v, _, u1, u2 = barrier_axis()
-    second = ca.hessian(a.V, v)[0]
-    bend = ca.if_else(barrier.h(v, u2), mutation / (u1 - abs(v)) ** 2, 0)
+    second = hessian(a.V, v)[0]
+    bend = if_else(barrier.h(v, u2), mutation / (u1 - abs(v)) ** 2, 0)
     return a.states(second == 1 + bend, second >= 1)
 
 
@@ -140,8 +140,8 @@ def half_square(mutation: Mutation) -> Statement:
     """
     a, v, _, _, _ = barrier_axis()
     square = 0.5 * a.w**2
-    second = ca.hessian(square, v)[0]
-    return a.states(ca.gradient(square, v) == mutation * a.w, equal(second, 1))
+    second = hessian(square, v)[0]
+    return a.states(gradient(square, v) == mutation * a.w, equal(second, 1))
 
 
 @claim("eq78", (78,), by=Ring(target_cases()))
@@ -192,7 +192,7 @@ def curvatures_compared(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a, v, _, _, _ = barrier_axis()
-    second, plain = ca.hessian(a.V, v)[0], ca.hessian(0.5 * a.w**2, v)[0]
+    second, plain = hessian(a.V, v)[0], hessian(0.5 * a.w**2, v)[0]
     return a.states(second >= mutation(1, 1.5) * plain, above(plain))
 
 

@@ -4,18 +4,17 @@ One axis, all numbers symbols.  tau, K and d may vary while a command acts, so t
 E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
 """
 
-import casadi as ca
+from casadi import SX, fmax, fmin
 
 from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.governor import FirstOrder, drive, drive_back, largest_command
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Named, Relations, Statement, between, positive, symbols
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 def sound(b: FirstOrder) -> Relations:
@@ -43,7 +42,7 @@ class FilterAxis(Named):
         self.bounds = FirstOrder(**{name: self[name] for name in NUMBERS.split()})
 
     @property
-    def hi(self) -> ca.SX:
+    def hi(self) -> SX:
         """Largest command that is safe."""
         return largest_command(self.v_bar, self.bounds)
 
@@ -74,9 +73,9 @@ def driven(mutation: Mutation) -> Statement:
     return Statement(a, (least, most), given)
 
 
-def highest(u: ca.SX, b: FirstOrder) -> ca.SX:
+def highest(u: SX, b: FirstOrder) -> SX:
     """Bound of drive(u)."""
-    return ca.fmax(b.K_max * u, 0) + b.dbar
+    return fmax(b.K_max * u, 0) + b.dbar
 
 
 @claim(
@@ -163,7 +162,7 @@ def curvature(mutation: Mutation) -> Statement:
     """
     t = symbols("r1 lo1 hi1 r2 lo2 hi2")
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
-    eta = mutation(1, 1.01) * ca.fmin(*governor.admitted(r, lo, hi))
+    eta = mutation(1, 1.01) * fmin(*governor.admitted(r, lo, hi))
     goals = [eta > 0, eta <= 1]
     goals += [hi[i] >= eta * r[i] for i in (0, 1)]
     goals += [eta * r[i] >= lo[i] for i in (0, 1)]

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
-import casadi as ca
+from casadi import SX, fmax, fmin
 
 from wmr_ctrl.control.barrier.stable import SERIES_BELOW, Barrier, stable_barrier
 from wmr_ctrl.control.controller import law_graph
@@ -64,16 +64,16 @@ class BarrierAxis(Named):
         self.w = v - self.x
 
     @cached_property
-    def A(self) -> ca.SX:
+    def A(self) -> SX:
         """A of Eq. (10)."""
         return barrier.a_term(*self.all)
 
     @cached_property
-    def V(self) -> ca.SX:
+    def V(self) -> SX:
         """V1i of Eq. (20)."""
         return barrier.lyapunov(*self.all)
 
-    def cost(self, v: ca.SX) -> ca.SX:
+    def cost(self, v: SX) -> SX:
         """(v - v_c0)^2/2 + f(v), which v_c1 makes least."""
         _, c, u1, u2 = self.all
         return 0.5 * (v - c) ** 2 + barrier.f(v, u1, u2)
@@ -91,7 +91,7 @@ class BarrierAxis(Named):
         return u2 > 0, u1 > u2, u1 > v, v > -u1
 
 
-def barrier_axis() -> tuple[BarrierAxis, ca.SX, ca.SX, ca.SX, ca.SX]:
+def barrier_axis() -> tuple[BarrierAxis, SX, SX, SX, SX]:
     """One axis, and its v, c, u1, u2."""
     axis = BarrierAxis()
     return axis, *axis.all
@@ -117,16 +117,16 @@ class LawGraph(Named):
         self.symbols = scalars(ports_of(self.system))
         self.force = self.system.outputs[0].expr
 
-    def own(self, expr: ca.SX) -> ca.SX:
+    def own(self, expr: SX) -> SX:
         """An expression of `context` in the System's symbols."""
         context, system = self.context, self.system
         shared = named_ports(*context.inputs, *context.parameters.ports)
         return exchanged(expr, shared, named_ports(*system.inputs, *system.params))
 
-    def clipped(self, axis: int) -> ca.SX:
+    def clipped(self, axis: int) -> SX:
         """The velocity that barrier quantities see: kept off the limit by limits.clip."""
         u1, clip = self[f"limits.v_u1[{axis + 1}]"], self["limits.clip"]
-        return ca.fmax(clip - u1, ca.fmin(u1 - clip, self[VELOCITY_NAMES[axis]]))
+        return fmax(clip - u1, fmin(u1 - clip, self[VELOCITY_NAMES[axis]]))
 
     def inner(self, axis: int) -> Cuts:
         """Cuts: v_c0 and its rate as c and cdot, the velocity behind the clip as the velocity."""

@@ -6,7 +6,7 @@ Of the smooth barrier: where it aims, that A is the slope of V1, how far A/w goe
 from collections.abc import Mapping
 from typing import Any
 
-import casadi as ca
+from casadi import SX, fmax, gradient
 
 from wmr_ctrl.control.barrier import stable
 from wmr_ctrl.control.barrier.proximal import resolvent
@@ -114,7 +114,7 @@ def closed_slope(mutation: Mutation) -> Statement:
     """
     t = symbols("y")
     y = t.y
-    return Statement(t, ca.gradient(y * stable._chi(y, 1 - y), y) == 1 / (1 - y) - mutation)
+    return Statement(t, gradient(y * stable._chi(y, 1 - y), y) == 1 / (1 - y) - mutation)
 
 
 @claim(
@@ -135,7 +135,7 @@ def series_slope(mutation: Mutation) -> Statement:
     t = symbols("y")
     y = t.y
     chi = stable._chi(y, 1 - y)
-    slope = (1 / (1 - y) - 1) - ca.gradient(y * chi, y)
+    slope = (1 / (1 - y) - 1) - gradient(y * chi, y)
     bound = mutation(2.0**-51, 2.0**-56) * abs(y)
     return Statement(t, (bound >= slope, bound >= -slope))
 
@@ -182,7 +182,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     """
     t = symbols("y v u1 u2", "u1 u2")
     y, v, u1, u2 = t.values()
-    line = smooth_f(v, u1, u2) + ca.gradient(smooth_f(v, u1, u2), v) * (y - v)
+    line = smooth_f(v, u1, u2) + gradient(smooth_f(v, u1, u2), v) * (y - v)
     return Statement(t, smooth_f(y, u1, u2) >= line + mutation(0, (y - v) ** 2))
 
 
@@ -193,7 +193,7 @@ def smooth_target(mutation: Mutation) -> Statement:
     The generated code aims at the nearest velocity inside the limit.
     """
     a, v, c, u1, u2 = barrier_axis()
-    found, nearest = _compiled(a), resolvent(c, ca.SX(1), u1, u2, smooth=True)
+    found, nearest = _compiled(a), resolvent(c, SX(1), u1, u2, smooth=True)
     return a.states(found.v_c1 == mutation * nearest, found.w == v - nearest)
 
 
@@ -211,7 +211,7 @@ def slope(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     found = _compiled(a)
-    return a.states(found.q * ca.gradient(found.V1, a.all[0]) == mutation * found.w)
+    return a.states(found.q * gradient(found.V1, a.all[0]) == mutation * found.w)
 
 
 @smooth_claim("smooth.quotient")
@@ -235,6 +235,6 @@ def ratio(mutation: Mutation) -> Statement:
     """
     a, v, _, u1, _ = barrier_axis()
     found = _compiled(a)
-    m = ca.fmax(abs(v), abs(found.v_c1))
+    m = fmax(abs(v), abs(found.v_c1))
     top = (1 + mutation(1, 0.9) / (u1 - m) ** 2) * found.q
     return a.states(found.q <= 1, top >= 1)

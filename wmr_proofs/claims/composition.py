@@ -9,7 +9,7 @@ inductions themselves are in docs/lemmas.md. Of the functions, the solver knows 
 from functools import reduce
 from itertools import pairwise
 
-import casadi as ca
+from casadi import SX, cos, fmax, fmin, gradient, jacobian, log, logic_or, sin, substitute, vertcat
 
 from wmr_ctrl.control.guard.delay import Tails, delayed_push, push
 from wmr_ctrl.control.guard.lateness import Times, lateness
@@ -30,7 +30,7 @@ DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
 POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
 
 MOTIONS = ({"kind": "circle", "more": "{DIRECTION}"}, {"kind": "line", "more": ""})
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim("law.mass", (4,), by=Ring())
@@ -57,7 +57,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
     a, _, c, u1, u2 = barrier_axis()
     t = a | symbols("cdot")
     rate = target_rate(c, t.cdot, u1, u2)
-    return Statement(t, rate == mutation * ca.gradient(a.x, c) * t.cdot)
+    return Statement(t, rate == mutation * gradient(a.x, c) * t.cdot)
 
 
 @claim("reference.{kind}", by=POSITIVE_RATES, over=MOTIONS)
@@ -71,15 +71,15 @@ def motion(mutation: Mutation, kind: str) -> Statement:
     """
     names = {"circle": "t ref_radius ref_rate", "line": "t ref_speed ref_heading x0 y0"}[kind]
     t = symbols(names, names.removeprefix("t "))
-    given = {**t, "ref_origin": ca.vertcat(t.x0, t.y0)} if kind == "line" else t
+    given = {**t, "ref_origin": vertcat(t.x0, t.y0)} if kind == "line" else t
     y = {"circle": curves.circle, "line": curves.line}[kind](t.t, given)
-    first = ca.jacobian(y, t.t)
-    second = ca.jacobian(first, t.t)
+    first = jacobian(y, t.t)
+    second = jacobian(first, t.t)
     turned = first[0] * second[1] - first[1] * second[0]
     fast = first[0] ** 2 + first[1] ** 2 == mutation * y[3] ** 2 + (1 - mutation)
     goals: Relations = (fast, turned == y[3] ** 2 * y[4], every(first[2:5], y[4:7]))
     if kind == "line":
-        ahead = (first[0] == -ca.sin(y[2]) * y[3], first[1] == ca.cos(y[2]) * y[3])
+        ahead = (first[0] == -sin(y[2]) * y[3], first[1] == cos(y[2]) * y[3])
         goals = goals, ahead, y[3] == t.ref_speed
     return Statement(t, goals)
 
@@ -94,16 +94,16 @@ def estimator_pose(mutation: Mutation) -> Statement:
     """
     names = "x y theta v omega x_m y_m theta_m period gain"
     t = symbols(names, names)
-    pose, old = (ca.vertcat(*(t[n] for n in part.split())) for part in ("x y theta", "v omega"))
-    measured, period, gain = ca.vertcat(t.x_m, t.y_m, t.theta_m), t.period, t.gain
+    pose, old = (vertcat(*(t[n] for n in part.split())) for part in ("x y theta", "v omega"))
+    measured, period, gain = vertcat(t.x_m, t.y_m, t.theta_m), t.period, t.gain
     theta = pose[2] + period * old[1]
-    moved = pose + period * ca.vertcat(-old[0] * ca.sin(theta), old[0] * ca.cos(theta), old[1])
+    moved = pose + period * vertcat(-old[0] * sin(theta), old[0] * cos(theta), old[1])
     estimate = corrected(reckoned(pose, old, period), measured, gain)
     return Statement(t, every(estimate, gain * mutation * measured + (1 - gain) * moved))
 
 
 MOST = 5
-prediction_claim = Claims(by=Z3())
+prediction_claim = Claims()
 
 
 @prediction_claim("prediction.times")
@@ -117,7 +117,7 @@ def prediction_times(mutation: Mutation) -> Statement:
     t = symbols("delay period")
     delay, period = t.delay, t.period
     times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
-    total = reduce(ca.SX.__add__, times)
+    total = reduce(SX.__add__, times)
     each = [between(0, time, period) for time in times]
     return Statement(t, (total == mutation * delay, each), between(0, delay, MOST * period))
 
@@ -147,12 +147,12 @@ def friction(mutation: Mutation) -> Statement:
     free, taken = t.free, t.taken
     after = slowed(free, taken)
     slows = after * free >= 0, mutation * abs(free) >= abs(after)
-    less = ca.fmax(abs(free) - abs(taken), 0)
+    less = fmax(abs(free) - abs(taken), 0)
     goals = slows, less * (after - free + taken) == 0
     return Statement(t, goals, taken * free >= 0)
 
 
-piece_claim = Claims(by=Z3())
+piece_claim = Claims()
 
 
 @piece_claim(
@@ -168,13 +168,13 @@ def lemma_piece(mutation: Mutation) -> Statement:
     """
     a, t = GuardAxis(), symbols("end drag push")
     v, end, edge = a.v, t.end, a.f_speed
-    above_edge = ca.logic_or(v > edge, end > edge)
+    above_edge = logic_or(v > edge, end > edge)
     sizes = a.mass >= a.M_min, a.t >= 0, within(t.push, a.dbar)
     sides = (v - edge) * (end - edge) >= 0, when(above_edge, t.drag >= a.f_min)
     moves = a.mass * (end - v) == a.t * (a.asked - t.drag + t.push)
     given = a.sound(), sizes, sides, moves
-    most = ca.fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
-    return Statement(a | t, most >= ca.fmax(end, edge), given)
+    most = fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
+    return Statement(a | t, most >= fmax(end, edge), given)
 
 
 @piece_claim(
@@ -191,9 +191,9 @@ def delay_step(mutation: Mutation) -> Statement:
     a = GuardAxis(DELAYED)
     more, goals = only(a), []
     for way, sum_of in ((1, more.ahead), (-1, more.back)):
-        most = ca.fmax(way * a.y + a.nbar, a.f_speed) + a("", way)
-        gained = a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
-        reached = ca.fmin(a.arrived, most) + gained
+        most = fmax(way * a.y + a.nbar, a.f_speed) + a("", way)
+        gained = a.since * fmax(way * a.sent + a.net, 0) / a.mass
+        reached = fmin(a.arrived, most) + gained
         goals.append(most + mutation(1, 0.9) * sum_of >= reached)
     given = a.sound(), a.mass >= a.M_min, between(0, a.since, a.periods * a.period)
     return Statement(a, goals, given)
@@ -214,17 +214,17 @@ def mean_piece(mutation: Mutation) -> Statement:
     a, t = GuardAxis(DELAYED), symbols("v0 v1 v2")
     b, v = a.bounds, [*t.values()]
     late = lateness(Times(period=1.0, step=1.0, window=2.0))
-    sent = [ca.vertcat(a[name], 0) for name in ("sent", "other")]
+    sent = [vertcat(a[name], 0) for name in ("sent", "other")]
     coming = delayed_push(sent, late, 0, b, Tails("tail", (late, late)))
     assert coming is not None
     mean = (v[0] + mutation(2, 1.5) * v[1] + v[2]) / 4
     goals, given = [], [a.sound(), within(a.y - mean, b.nbar)]
     for way, seen in ((1, coming), (-1, coming.mirrored)):
-        speeds = [ca.fmax(way * item, b.f_speed) for item in v]
+        speeds = [fmax(way * item, b.f_speed) for item in v]
         for k, name in enumerate(("other", "sent")):
-            gain = b.period * ca.fmax(way * a[name] + a.net, 0) / b.M_min
+            gain = b.period * fmax(way * a[name] + a.net, 0) / b.M_min
             given.append(speeds[k] + gain >= speeds[k + 1])
-        reached = seen.reached(ca.fmax(way * a.y + b.nbar, b.f_speed), b)
+        reached = seen.reached(fmax(way * a.y + b.nbar, b.f_speed), b)
         goals.append(reached >= speeds[2])
     return Statement(a | t, goals, given)
 
@@ -238,7 +238,7 @@ def convex(mutation: Mutation) -> Statement:
 
     Given: 0 <= w <= 1; any two forces, any dbar - f_min.
     """
-    a, w = GuardAxis(DELAYED), ca.SX.sym("w")
+    a, w = GuardAxis(DELAYED), SX.sym("w")
     forces, goals = (a.sent, a.other), []
     for way in (1, -1):
         mixed, first, second = (
@@ -248,9 +248,9 @@ def convex(mutation: Mutation) -> Statement:
     return Statement(a | {"w": w}, goals, between(0, w, 1))
 
 
-def vanishes(value: ca.SX, t: ca.SX, where: float) -> Relations:
+def vanishes(value: SX, t: SX, where: float) -> Relations:
     """The value is 0 at one point."""
-    return ca.substitute(value, t, ca.SX(where)) == 0
+    return substitute(value, t, SX(where)) == 0
 
 
 @piece_claim("lemma.log", (15,), by=Z3(), premises="lemma.integration")
@@ -261,9 +261,9 @@ def logarithm(mutation: Mutation) -> Statement:
 
     Given: t > 0.
     """
-    t = ca.SX.sym("t")
-    gap = t - 1 - mutation(1, 2) * ca.log(t)
-    goals = vanishes(gap, t, 1), ca.gradient(gap, t) * (t - 1) >= 0
+    t = SX.sym("t")
+    gap = t - 1 - mutation(1, 2) * log(t)
+    goals = vanishes(gap, t, 1), gradient(gap, t) * (t - 1) >= 0
     return Statement({"t": t}, goals, t > 0)
 
 
@@ -284,9 +284,9 @@ def sine(mutation: Mutation) -> Statement:
     """
     names = symbols("t")
     t = names.t
-    gap, rise = t - ca.sin(t), t**2 / 2 - 1 + ca.cos(t)
-    slope, share = t * ca.cos(t) - ca.sin(t), ca.sin(t) / t
+    gap, rise = t - sin(t), t**2 / 2 - 1 + cos(t)
+    slope, share = t * cos(t) - sin(t), sin(t) / t
     at_0 = [vanishes(value, t, 0) for value in (gap, rise, slope)]
-    rates = ca.gradient(rise, t) == gap, t**2 * ca.gradient(share, t) == mutation * slope
-    goals = at_0, ca.gradient(gap, t) >= 0, rates, -ca.gradient(slope, t) >= 0
-    return Statement(names, goals, (t > 0, ca.sin(t) >= 0))
+    rates = gradient(rise, t) == gap, t**2 * gradient(share, t) == mutation * slope
+    goals = at_0, gradient(gap, t) >= 0, rates, -gradient(slope, t) >= 0
+    return Statement(names, goals, (t > 0, sin(t) >= 0))

@@ -7,7 +7,7 @@ reads.
 
 from dataclasses import replace
 
-import casadi as ca
+from casadi import SX, cos, fmax, horzcat, if_else, logic_and, sin, vertcat, vertsplit
 
 from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.control.filter.channels import WAYS, Channel, scaled
@@ -20,7 +20,6 @@ from wmr_ctrl.world import command_dead_band, command_ramp, jitter, speed_loops,
 from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
 from wmr_ctrl.world.pose_sensor import reckoned
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Relations,
     Statement,
@@ -38,7 +37,7 @@ from .guard_axis import NUMBERS
 from .prox import Step
 from .wheels_and_encoders import EffectGraph
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim(
@@ -89,7 +88,7 @@ def kanayama(mutation: Mutation) -> Statement:
     Given: every limit >= 0.
     """
     t = symbols("a b A B", "A B")
-    values, most = ca.vertcat(t.a, t.b), ca.vertcat(t.A, t.B)
+    values, most = vertcat(t.a, t.b), vertcat(t.A, t.B)
     left = cut(values, most)
     inside = [mutation(1, 2) * most[i] >= abs(values[i]) for i in (0, 1)]
     return Statement(t, every(left, values), (nonnegative(t.A, t.B), inside))
@@ -112,7 +111,7 @@ def guard(mutation: Mutation) -> Statement:
     slope, net = t.M_min * t.alpha, bounds.net
     near, far = (slope * (t.u1 - t[name]) - net for name in ("nbar", "f_speed"))
     sizes = (t.force + slope * t.y, near), (slope * t.y, near), (t.force, far)
-    held = guarded(ca.vertcat(t.force, 0), ca.vertcat(t.y, 0), bounds)
+    held = guarded(vertcat(t.force, 0), vertcat(t.y, 0), bounds)
     free = [most >= mutation(1, 0.5) * abs(size) for size, most in sizes]
     signs = positive(t.M_min, t.M_max, t.alpha, t.period, t.u1), nonnegative(t.nbar, t.f_speed)
     given = signs, nonnegative(t.brake, net), free
@@ -131,10 +130,10 @@ def wheels(mutation: Mutation, key: str) -> Statement:
     Given: r, l, tau_max > 0; the guard's safe point is 0, as it is without a guard.
     """
     t = symbols("force moment r half tau", "r half tau")
-    force = ca.vertcat(t.force, t.moment)
+    force = vertcat(t.force, t.moment)
     torque = force_to_wheel(t.r, t.half, force)
     phi = full_thrust(t.r, t.tau)
-    mapped = MAPS[key](force, phi, t.half, ca.SX.zeros(2))
+    mapped = MAPS[key](force, phi, t.half, SX.zeros(2))
     weak = [mutation(1, 2) * t.tau >= abs(torque[i]) for i in (0, 1)]
     return Statement(t, every(mapped, force), (positive(t.r, t.half, t.tau), weak))
 
@@ -151,12 +150,12 @@ def product(mutation: Mutation) -> Statement:
     a, b, P, Q, ratio = t.values()
     sums = (a + ratio * b, a - ratio * b)
     given = ratio > 0, abs(sums[0]) <= P, abs(sums[1]) <= Q
-    largest = ca.fmax(P * P, Q * Q)
+    largest = fmax(P * P, Q * Q)
     size = mutation(4, 5) * ratio * abs(a * b)
     return Statement(t, largest >= size, given)
 
 
-NOTHING = FirstOrder(*(ca.SX(0) for _ in range(6)))
+NOTHING = FirstOrder(*(SX(0) for _ in range(6)))
 NO_SIZE = (0.0, 0.0)
 SCALES = {
     f"{key}-{scale}": {"scale": scale, "kinds": kinds}
@@ -178,7 +177,7 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     """
     t = symbols("v omega l A B C", "l A B C")
     v, omega, l, A, B, C = t.values()
-    axes = [Channel((1 - i, i), ca.SX(1), (NOTHING,), NO_SIZE) for i in (0, 1)] * ("axes" in kinds)
+    axes = [Channel((1 - i, i), SX(1), (NOTHING,), NO_SIZE) for i in (0, 1)] * ("axes" in kinds)
     wheels = [Channel((1, way), l, (NOTHING,), NO_SIZE) for way in WAYS] * ("wheels" in kinds)
     most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
     channels, asked = [*axes, *wheels], (v, omega)
@@ -186,7 +185,7 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
     given = [item > 1e-29 for item in (l, A, B, C)]
     for channel, size in zip(channels, most, strict=True):
         given.append(mutation(1, 2) * size >= abs(channel.of(asked)))
-    return Statement(t, every(sent, ca.vertcat(*asked)), given)
+    return Statement(t, every(sent, vertcat(*asked)), given)
 
 
 @claim("corridor.dead-band")
@@ -203,8 +202,8 @@ def dead_band(mutation: Mutation) -> Statement:
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
         beyond = abs(g.system.u[i]) > size
         goals.append(mutation(1, 0.9) * abs(most[i]) >= abs(off))
-        goals.append(ca.if_else(beyond, abs(off), 0) <= 0)
-    return g.states(goals, given=nonnegative(*ca.vertsplit(g.column("base.deadband"))))
+        goals.append(if_else(beyond, abs(off), 0) <= 0)
+    return g.states(goals, given=nonnegative(*vertsplit(g.column("base.deadband"))))
 
 
 @claim("corridor.wheel-speed")
@@ -265,16 +264,16 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     if jitters:
         b = replace(b, jitter=t.J, mixed=t.mixed)
         coming = replace(coming, again=InFlight(t.a_ahead, t.a_back))
-    S, c = t.slope, t.stretch if jitters else ca.SX(1)
+    S, c = t.slope, t.stretch if jitters else SX(1)
     cuts = {"slope": b.M_min * b.alpha, "braking": b.braking, "largest": largest_force(b)}
     if jitters:
         cuts["stretch"] = 1 + b.alpha * t.J
     sizes = list[Relations]()
     for way, side in ((1, "ahead"), (-1, "back")):
         for w in (way * t.y + t.nbar, t.f_speed):
-            for F in (way * t.force, ca.SX(0)):
+            for F in (way * t.force, SX(0)):
                 room = S * (t.u1 - w - t[side])
-                again = t[f"a_{side}"] if jitters else ca.SX(0)
+                again = t[f"a_{side}"] if jitters else SX(0)
                 sizes.append(room - S * again >= F + b.net)
                 if jitters:
                     sizes.append(room >= c * mutation(1, 0.5) * (F + b.net))
@@ -285,7 +284,7 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
         [c >= 1] * jitters, nonnegative(b.net, t.a_ahead, t.a_back),
         t.largest >= abs(t.force), sizes,
     )  # fmt: skip
-    goals = tuple(clipped(asked, t.y, b, coming) == asked for asked in (t.force, ca.SX(0)))
+    goals = tuple(clipped(asked, t.y, b, coming) == asked for asked in (t.force, SX(0)))
     return Statement(t, goals, given, cuts)
 
 
@@ -300,12 +299,12 @@ def late_sums(mutation: Mutation) -> Statement:
     """
     t = symbols(f"{NUMBERS} F1 F2 N t1 t2", f"{NUMBERS} t1 t2")
     b = Bounds(**{name: t[name] for name in NUMBERS.split()})
-    first, second = (ca.vertcat(t[name], 0) for name in ("F1", "F2"))
-    sums = in_flight([(first, t.t1), (ca.horzcat(second, first), t.t2)], 0, b)
+    first, second = (vertcat(t[name], 0) for name in ("F1", "F2"))
+    sums = in_flight([(first, t.t1), (horzcat(second, first), t.t2)], 0, b)
     scale, size = t.period / t.M_min, mutation(1, 0.5) * t.N
     goals = list[Relations]()
     for way, side in ((1, sums.ahead), (-1, sums.back)):
-        worst = ca.fmax(way * t.F1, way * t.F2)
+        worst = fmax(way * t.F1, way * t.F2)
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
         goals.append(scale * most >= side)
     largest = b.net <= t.N, abs(t.F1) <= t.N, abs(t.F2) <= t.N
@@ -327,17 +326,17 @@ def overtaken(mutation: Mutation) -> Statement:
     """
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free | symbols("older")
-    now, waiting, wait = (part[0] for part in ca.vertsplit(g.system.update, [0, 2, 4, 5]))
+    now, waiting, wait = (part[0] for part in vertsplit(g.system.update, [0, 2, 4, 5]))
     acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
                          for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
     arrived = g["tau_right"]
-    before = ca.if_else(t.phase <= 0, last, t.older)
+    before = if_else(t.phase <= 0, last, t.older)
     given = (
         h > 0, width == t.most * h, between(0, t.drawn, t.most),
         t.phase >= 0, t.steps >= 1, t.steps >= t.phase + 1,
         t.steps >= due, due >= 0, when(t.phase > 0, last == arrived),
         (acting - last) * (acting - mutation(t.older, t.older + 1)) == 0,
-        when(ca.logic_and(t.phase <= 0, due < t.steps), acting == last),
+        when(logic_and(t.phase <= 0, due < t.steps), acting == last),
     )  # fmt: skip
     one_of = (now - arrived) * (now - before) == 0
     goals = one_of, waiting == arrived, when(t.phase >= wait, now == arrived)
@@ -362,9 +361,9 @@ def ramped(mutation: Mutation) -> Statement:
         given += [rate >= a["a"] for rate in rates]
         left, was = abs(wanted - after), abs(wanted - now)
         goals.append((after - now) * (wanted - after) >= 0)
-        taken = ca.fmax(was - mutation(1, 1.1) * a["a"] * h, 0) >= left
+        taken = fmax(was - mutation(1, 1.1) * a["a"] * h, 0) >= left
         goals.append(when(now * wanted >= 0, taken))
-        goals.append(when(ca.logic_and(now * wanted < 0, after != 0), taken))
+        goals.append(when(logic_and(now * wanted < 0, after != 0), taken))
     goals += every(g.system.update, g.system.y)
     return g.states(goals, given=(positive(h, a["a"]), given), more=a)
 
@@ -379,15 +378,15 @@ def reckoning(mutation: Mutation) -> Statement:
     Given: two poses, the second off by (dx, dy, b); one velocity.
     """
     t = symbols("x y theta dx dy b v omega T s c s_off c_off")
-    there, off = ca.vertcat(t.x, t.y, t.theta), ca.vertcat(t.dx, t.dy, t.b)
-    v = ca.vertcat(t.v, t.omega)
+    there, off = vertcat(t.x, t.y, t.theta), vertcat(t.dx, t.dy, t.b)
+    v = vertcat(t.v, t.omega)
     first, second = (reckoned(pose, v, t.T) for pose in (there, there + off))
     turned = t.T * t.omega
     cuts = {
-        "s": ca.sin(t.theta + turned), "c": ca.cos(t.theta + turned),
-        "s_off": ca.sin(t.theta + t.b + turned),
-        "c_off": ca.cos(t.theta + t.b + turned),
+        "s": sin(t.theta + turned), "c": cos(t.theta + turned),
+        "s_off": sin(t.theta + t.b + turned),
+        "c_off": cos(t.theta + t.b + turned),
     }  # fmt: skip
     way = mutation(1, 2) * t.T * t.v
-    apart = ca.vertcat(-way * (t.s_off - t.s), way * (t.c_off - t.c), 0)
+    apart = vertcat(-way * (t.s_off - t.s), way * (t.c_off - t.c), 0)
     return Statement(t, every(second - first, off + apart), (), cuts)

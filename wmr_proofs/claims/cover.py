@@ -2,39 +2,38 @@
 
 from functools import reduce
 
-import casadi as ca
+from casadi import SX, eq, if_else, logic_and, logic_or
 
 from wmr_ctrl.control.barrier.stable import SmoothAxis
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement, positive, symbols
 
 from .common import barrier_axis
 
 
-def _bounds(u2: ca.SX, b: ca.SX) -> dict[str, tuple[ca.SX, ca.SX | None]]:
+def _bounds(u2: SX, b: SX) -> dict[str, tuple[SX, SX | None]]:
     """Open interval of each region's size; None: no bound."""
     edge = u2 + 1 / b
     return {
-        "near": (ca.SX(0), u2), "middle": (u2, edge), "far": (edge, None), "beyond": (u2, None),
-        "in": (ca.SX(0), u2), "out": (u2, u2 + b),
+        "near": (SX(0), u2), "middle": (u2, edge), "far": (edge, None), "beyond": (u2, None),
+        "in": (SX(0), u2), "out": (u2, u2 + b),
     }  # fmt: skip
 
 
-def _inside(size: ca.SX, region: str, u2: ca.SX, b: ca.SX) -> ca.SX:
-    points = {"zero": ca.SX(0), "corner": u2, "edge": u2 + 1 / b, "kink": u2}
+def _inside(size: SX, region: str, u2: SX, b: SX) -> SX:
+    points = {"zero": SX(0), "corner": u2, "edge": u2 + 1 / b, "kink": u2}
     if region in points:
-        return ca.eq(size, points[region])
+        return eq(size, points[region])
     low, high = _bounds(u2, b)[region]
-    return size > low if high is None else ca.logic_and(size > low, size < high)
+    return size > low if high is None else logic_and(size > low, size < high)
 
 
-def _member(value: ca.SX, name: str, u2: ca.SX, b: ca.SX) -> ca.SX:
+def _member(value: SX, name: str, u2: SX, b: SX) -> SX:
     """True if ``value`` lies in a signed region such as ``middle-``."""
     if name == "zero":
-        return ca.eq(value, 0)
+        return eq(value, 0)
     size = -value if name.endswith("-") else value
     return _inside(size, name[:-1], u2, b)
 
@@ -48,7 +47,7 @@ LISTS = (
      "all": "the real line", "names": regions.SMOOTH_TARGETS},
 )  # fmt: skip
 WHY = "The claims are shown region by region, and no region is left out."
-claim = Claims(by=Z3(), meaning=WHY)
+claim = Claims(meaning=WHY)
 
 
 @claim("cover.{key}", over=LISTS)
@@ -59,7 +58,7 @@ def covered(mutation: Mutation, names: tuple[str, ...], index: int) -> Statement
     """
     a, _, _, u1, u2 = barrier_axis()
     hits = (_member(a.all[index], name, u2, u1 - u2) for name in mutation(names, names[1:]))
-    return a.states(ca.if_else(reduce(ca.logic_or, hits), 1, 0) > 0, given=a.inside)
+    return a.states(if_else(reduce(logic_or, hits), 1, 0) > 0, given=a.inside)
 
 
 @claim("cover.charts", (15, 18))
@@ -130,7 +129,7 @@ def ordered(mutation: Mutation) -> Statement:
     t = symbols("i j")
     i, j = t.values()
     more, less = i - j, i / (j - i)
-    below = ca.if_else(i < j, abs(j * less / (1 + less) - mutation * i), 0)
-    rest = ca.if_else(i > j, abs(j + more - i), below)
-    sign = ca.if_else(i > j, more, ca.if_else(i < j, less, 1))
+    below = if_else(i < j, abs(j * less / (1 + less) - mutation * i), 0)
+    rest = if_else(i > j, abs(j + more - i), below)
+    sign = if_else(i > j, more, if_else(i < j, less, 1))
     return Statement(t, (rest == 0, sign > 0), positive(i, j))

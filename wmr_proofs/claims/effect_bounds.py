@@ -1,8 +1,8 @@
-"""Drives, ground, air, sensors, and commands on their way to a base: their bounds, on their graphs."""
+"""Drives, ground, air, sensors, commands on their way to a base: their bounds, on their graphs."""
 
 from dataclasses import replace
 
-import casadi as ca
+from casadi import SX, cos, exp, expm1, floor, fmin, if_else, sin, vertcat, vertsplit
 
 from wmr_ctrl.control.applied import followed
 from wmr_ctrl.control.guard.delay import integral, moved
@@ -47,7 +47,7 @@ from wmr_proofs.statement import (
 
 from .wheels_and_encoders import EffectGraph
 
-drive_claim = Claims(by=Z3())
+drive_claim = Claims()
 
 
 @drive_claim(
@@ -93,7 +93,7 @@ def applied(mutation: Mutation) -> Statement:
     t, steps, part = symbols("newest older oldest acting e"), 4, 3
     newest, older, oldest, acting, e = t.values()
     told = followed([newest, older, oldest], (1, part, steps), acting, e)
-    total = ca.SX(0)
+    total = SX(0)
     for step in range(steps):
         acting = lag.followed(oldest if step < part else older, e, acting)
         total = total + acting
@@ -115,17 +115,17 @@ def lag_bound(mutation: Mutation) -> Statement:
     g, t = EffectGraph(lag.LAG, numbers, "clock"), symbols("growth most_growth decay")
     h, time = g["clock.plant"], g["actuator.lag"]
     x, spread = g[f"{lag.NUMBERS.name}[1]"], g["actuator.lag_spread"]
-    fast, slow = ca.vertsplit(g.bound("lag"))
+    fast, slow = vertsplit(g.bound("lag"))
     tau = time * (1 + spread * x)
     sizes = g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), spread < 1
     steps = [most * time * (1 - spread) >= h for most in (t.most_growth, 500)]
     given = sizes, steps, within(x, 1), t.growth > 0, t.most_growth >= t.growth
     least = lag.equivalent_lag(h, t.growth)
-    wanted = ca.vertcat(g["tau_right"], g["tau_left"])
+    wanted = vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
     left = every(g.system.update, wanted + t.decay * (acting - wanted))
     goals = mutation(1, 0.9) * slow >= tau, least >= fast, left
-    cuts = {"most_growth": ca.expm1(h / (time * (1 - spread))), "decay": ca.exp(-h / tau)}
+    cuts = {"most_growth": expm1(h / (time * (1 - spread))), "decay": exp(-h / tau)}
     return g.states(goals, given=given, cuts=cuts, more=t)
 
 
@@ -140,10 +140,10 @@ def constant_lag(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(lag.LAG, {"actuator.lag": 0.02}, "clock")
     time = g["actuator.lag"]
-    wanted = ca.vertcat(g["tau_right"], g["tau_left"])
+    wanted = vertcat(g["tau_right"], g["tau_left"])
     acting = g.column(lag.ACTING.name)
-    t, cuts = symbols("decay"), {"decay": ca.exp(-g["clock.plant"] / time)}
-    both = [told == mutation * time for told in ca.vertsplit(g.bound("lag"))]
+    t, cuts = symbols("decay"), {"decay": exp(-g["clock.plant"] / time)}
+    both = [told == mutation * time for told in vertsplit(g.bound("lag"))]
     goals = both, every(g.system.update, wanted + t.decay * (acting - wanted))
     return g.states(goals, given=(time > 0, g["actuator.lag_spread"] == 0), cuts=cuts, more=t)
 
@@ -174,8 +174,8 @@ class Jittering(EffectGraph):
         late = self["actuator.delay"] + self["actuator.unmodelled_delay"]
         since = self["step"] - jitter.whole(late / h)
         self.cuts = {
-            "steps": steps, "most": most, "phase": since - steps * ca.floor(since / steps),
-            "drawn": ca.floor((number + 1) / 2 * (most + 1)),
+            "steps": steps, "most": most, "phase": since - steps * floor(since / steps),
+            "drawn": floor((number + 1) / 2 * (most + 1)),
         }  # fmt: skip
 
 
@@ -194,11 +194,11 @@ def jitter_bound(mutation: Mutation) -> Statement:
     """
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
-    now, _, wait = ca.vertsplit(g.system.update, [0, 2, 4, 5])
+    now, _, wait = vertsplit(g.system.update, [0, 2, 4, 5])
     widths = h > 0, width == t.most * h, width >= 0, between(0, t.drawn, t.most)
     waits = t.most >= g[jitter.DUE.name], nonnegative(t.phase, t.steps)
     given = widths, waits
-    arrived = ca.vertcat(g["tau_right"], g["tau_left"])
+    arrived = vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
     told = [g.bound(name)[0] == width for name in ("delay", "jitter")]
     goals = when(acts, every(now, arrived)), t.most >= wait, told
@@ -216,7 +216,7 @@ def stepped(mutation: Mutation) -> Statement:
     g = EffectGraph(motor.MOTOR, {"motor.step": 0.1})
     told, step = g["tau_right"], g["motor.step"]
     x = told / step + 0.5
-    number = ca.floor(x)
+    number = floor(x)
     given = step > 0, x >= number, x - number < 1
     most = motor.rounded_by(step) * mutation(1, 0.8)
     lost = within(g.system.outputs[0].expr - told, most)
@@ -252,7 +252,7 @@ def line(mutation: Mutation) -> Statement:
     made = motor.on_line(torque, speed, stall, slowing)
     share = slowing * speed
     ahead, back = (motor.missing(most, stall, way * share) for way in (1, -1))
-    ahead, back = ca.fmin(ahead, most), ca.fmin(back, most)
+    ahead, back = fmin(ahead, most), fmin(back, most)
     part = mutation(1, 0.9)
     sides = part * ahead >= torque - made, part * back >= made - torque
     goals = sides, (torque - made) * torque >= 0
@@ -273,7 +273,7 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
     """
     t = symbols("v turn u1 edge stall slowing most", "stall slowing")
 
-    def both(v: ca.SX, turn: ca.SX) -> ca.SX:
+    def both(v: SX, turn: SX) -> SX:
         speeds = (v + turn, v - turn) if way > 0 else (turn + v, turn - v)
         first, second = (motor.missing(t.most, t.stall, t.slowing * s) for s in speeds)
         return first + second
@@ -308,7 +308,7 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
     r, half, stall, step = (g[n] for n in ("robot.r", "robot.l", "motor.stall", "motor.step"))
     most, slowing = g["actuator.tau_max"] + step / 2, 1 / g["motor.free"]
 
-    def short(v: ca.SX, turn: ca.SX, sides: tuple[int, int]) -> list[ca.SX]:
+    def short(v: SX, turn: SX, sides: tuple[int, int]) -> list[SX]:
         return [motor.missing(most, stall, side * (v + way * turn) / r * slowing)
                 for side, way in zip(sides, (1, -1), strict=True)]  # fmt: skip
 
@@ -321,9 +321,9 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
         whole = short(*ends, (1, opposite))
         given.append(at_least(sum(whole), sum(each)))
         for name, d, way in zip(t, each, (side, side * opposite), strict=True):
-            lost = motor.rounded_by(step) + g["motor.dead_zone"] + ca.fmin(d, most)
+            lost = motor.rounded_by(step) + g["motor.dead_zone"] + fmin(d, most)
             given.append(lost >= way * t[name])
-    made = wheel_to_force(r, half, ca.vertcat(t.right, t.left))[axis]
+    made = wheel_to_force(r, half, vertcat(t.right, t.left))[axis]
     return g.states(within(made, bound * mutation(1, 0.9)), given=given, more=t)
 
 
@@ -331,7 +331,7 @@ HEAVIEST = {"robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1}
 ALONG = at(**HEAVIEST, sine=1, **{"slope.offset": 0}, along=1, across=0)
 """Straight uphill."""
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim(
@@ -348,10 +348,10 @@ def world_slope(mutation: Mutation) -> Statement:
     numbers = {"slope.angle": 0.1, "guard.M_max": [60.0, 20.0]}
     g = EffectGraph(slope.SLOPE, numbers, "robot guard")
     a = slope.turned(g["theta"], g["slope.direction"])
-    along, across, sine = ca.cos(a), ca.sin(a), ca.sin(g["slope.angle"])
+    along, across, sine = cos(a), sin(a), sin(g["slope.angle"])
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
     heaviest = g["guard.M_max[1]"] >= g["robot.m"]
-    turns = sine >= 0, within(ca.vertcat(along, across), 1)
+    turns = sine >= 0, within(vertcat(along, across), 1)
     given = g.above_zero("robot.m", "robot.g"), heaviest, turns
     return g.states(goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
@@ -384,7 +384,7 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     moves = right + left if axis == 0 else right - left
     signs = nonnegative(*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)
     sizes = g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
-    turns = (v, omega)[axis] >= 0, within(ca.vertcat(right, left), 1)
+    turns = (v, omega)[axis] >= 0, within(vertcat(right, left), 1)
     given = signs, sizes, turns
     goal = more * mutation(1, 0.9) >= g.system.y[axis]
     return g.states(goal, given=given, cuts={"right": right, "left": left})
@@ -422,10 +422,10 @@ def world_gust(mutation: Mutation) -> Statement:
     Given: shares before and numbers within [-1, 1], size >= 0, 0 <= keep = exp(-T/time) <= 1.
     """
     g = EffectGraph(gust.GUST, {"gust.size": [1.0, 1.0]})
-    keep = ca.exp(-g["clock.control"] / g["gust.time"])
+    keep = exp(-g["clock.control"] / g["gust.time"])
     size, part = g.bound("dbar"), mutation(1, 0.9)
-    drawn = ca.vertcat(g.column(gust.SHARE.name), g.column(gust.NUMBERS.name))
-    pairs = zip(*map(ca.vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
+    drawn = vertcat(g.column(gust.SHARE.name), g.column(gust.NUMBERS.name))
+    pairs = zip(*map(vertsplit, (g.system.update, g.system.y, part * size)), strict=True)
     goals = [(within(x, part), within(y, most)) for x, y, most in pairs]
     sides = between(0, keep, 1), nonnegative(size[0], size[1])
     return g.states(goals, given=(within(drawn, 1), sides), cuts={"keep": keep})
@@ -457,7 +457,7 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
     half = g.bound("nbar")
     goals = within(g.system.y - g.system.u, mutation(1, 0.9) * half)
     drawn = within(g.column(velocity_noise.NUMBERS.name), 1)
-    return g.states(goals, given=(drawn, nonnegative(*ca.vertsplit(half))))
+    return g.states(goals, given=(drawn, nonnegative(*vertsplit(half))))
 
 
 AGES = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
@@ -477,7 +477,7 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
     g = EffectGraph(velocity_mean.VELOCITY_MEAN, AGES, "clock limits")
     T, name = g["clock.control"], velocity_mean.PLACE.name
     seen = [g.column(f"{name}_{k}") for k in (1, 2, 3)]
-    goals: list[Relations] = [every(g.system.update, ca.vertcat(g["path"], g["theta"], *seen[:2]))]
+    goals: list[Relations] = [every(g.system.update, vertcat(g["path"], g["theta"], *seen[:2]))]
     for axis in (0, 1):
         window, age = (g.bound(told)[axis] for told in ("window", "age"))
         way = seen[0][axis] - mutation(seen[2], seen[1])[axis]
@@ -529,7 +529,7 @@ def world_push(mutation: Mutation) -> Statement:
     return g.states(within(force, mutation(1, 0.9) * size), given=sides)
 
 
-command_claim = Claims(by=Z3())
+command_claim = Claims()
 
 
 @command_claim("world.command-delay.bound")
@@ -566,7 +566,7 @@ def command_loss_bound(mutation: Mutation) -> Statement:
     h, T, most = g["clock.plant"], g["clock.control"], g.bound("losses")[0]
     steps = jitter.whole(T / h)
     since = g["step"] - jitter.whole(g["base.delay"] / h)
-    cuts = {"steps": steps, "phase": since - steps * ca.floor(since / steps)}
+    cuts = {"steps": steps, "phase": since - steps * floor(since / steps)}
     longest = (g["base.losses"] + 1) * T
     missed, silent = g[command_loss.MISSED.name], g[command_loss.SILENT.name]
     given = (
@@ -574,11 +574,11 @@ def command_loss_bound(mutation: Mutation) -> Statement:
         g["base.timeout"] >= longest * (1 - ROUNDING), h >= longest * ROUNDING,
         between(0, missed, most), nonnegative((most - missed) * (most - missed - 1), t.before),
         t.steps >= t.before + 1, silent >= 0,
-        t.phase == ca.if_else(t.before + 1 >= t.steps, 0, t.before + 1),
+        t.phase == if_else(t.before + 1 >= t.steps, 0, t.before + 1),
         (t.steps - t.before - 1) * (t.steps - t.before - 2) >= 0,
         missed * t.steps + t.before >= silent,
     )  # fmt: skip
-    now, silence, missing = ca.vertsplit(g.system.update, [0, 2, 3, 4])
+    now, silence, missing = vertsplit(g.system.update, [0, 2, 3, 4])
     few = mutation(1, 0.9) * most >= missing
     goals = few, missing * t.steps + t.phase >= silence, every(g.system.y, now)
     return g.states(goals, given=given, cuts=cuts, more=t)
@@ -597,8 +597,8 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
     cuts = Cuts()
     for i in (0, 1):
         step = g[f"base.quantum[{i + 1}]"]
-        x = g.system.u[i] / ca.if_else(step > 0, step, 1) + 0.5
-        cuts[f"number{i + 1}"] = number = ca.floor(x)
+        x = g.system.u[i] / if_else(step > 0, step, 1) + 0.5
+        cuts[f"number{i + 1}"] = number = floor(x)
         given += [step > 0, x >= number, x - number < 1]
     return g.states(within(off, mutation(1, 0.9) * most), given=given, cuts=cuts)
 

@@ -1,11 +1,11 @@
 """Errata of the paper beyond single equations, each with an exact point."""
 
-import casadi as ca
+from casadi import SX, fmax, fmin, sumsqr, vertcat
 
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.methods.spec import Z3, Refute
+from wmr_proofs.methods.spec import Refute
 from wmr_proofs.regions import at
 from wmr_proofs.statement import Statement, column, nonnegative, positive, stacked, symbols
 
@@ -16,7 +16,7 @@ BACKWARDS = ({**at(e1=0, e2=0, **PAPER), "e3": "1 pi"},)
 TURNED = (at(e1=0, e2=0, e3="11/10", k2=5, r="1/2"),)
 EDGE = ({**at(e1=1, e2=0, e3=0, l=257, eps0="1/2", k1=10, k2=5, k3=4)},)
 ON_TARGET = (at(v="3/10", c="3/10", u1=1, u2="4/5", rho=15, cdot=1),)
-claim = Claims(by=Z3(), form=PRINTED)
+claim = Claims(form=PRINTED)
 
 
 @claim("thm1.global", (7, 39), by=Refute(BACKWARDS))
@@ -31,7 +31,7 @@ def only_rest(_: Mutation) -> Statement:
     """
     t = Tracking()
     rate = error_rate(t.e, auxiliary_velocity(t.e, t.v_d, t.k), t.v_d)
-    return t.states(ca.sumsqr(rate) > 0, given=positive(ca.sumsqr(t.e), t.v_d[0]))
+    return t.states(sumsqr(rate) > 0, given=positive(sumsqr(t.e), t.v_d[0]))
 
 
 @claim("eq61.ball", (39, 61), by=Refute(TURNED))
@@ -46,7 +46,7 @@ def ball(_: Mutation) -> Statement:
     """
     t = Tracking("r")
     given = 0.5 * t.r**2 >= analysis.position_lyapunov(t.e, t.k[1]), t.r > 0
-    return Statement(t, t.r**2 >= ca.sumsqr(t.e), given)
+    return Statement(t, t.r**2 >= sumsqr(t.e), given)
 
 
 @claim("eq61.omega", (61,), by=Refute(EDGE))
@@ -60,8 +60,8 @@ def omega(_: Mutation) -> Statement:
     """
     t = Tracking("eps0 l")
     radius = analysis.ball_radius(t.eps0, t.l, t.k)
-    given = radius**2 >= ca.sumsqr(t.e), t.l > 5, t.eps0 > 0
-    edge = analysis.position_lyapunov(ca.vertcat(0, 0, radius), t.k[1])
+    given = radius**2 >= sumsqr(t.e), t.l > 5, t.eps0 > 0
+    edge = analysis.position_lyapunov(vertcat(0, 0, radius), t.k[1])
     return t.states(edge >= analysis.position_lyapunov(t.e, t.k[1]), given=given)
 
 
@@ -114,7 +114,7 @@ def slower_rate(mutation: Mutation) -> Statement:
     Given: V1i >= 0, rho_i >= 0, V1i' = -rho_i V1i.
     """
     t = column("V", 2) | column("rho", 2)
-    least = mutation(ca.fmin(t.rho1, t.rho2), ca.fmax(t.rho1, t.rho2))
+    least = mutation(fmin(t.rho1, t.rho2), fmax(t.rho1, t.rho2))
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
     given = tuple(t[name] >= 0 for name in t)
     return Statement(t, -least * (t.V1 + t.V2) >= rate, given)
@@ -131,6 +131,6 @@ def forgetting_binds(mutation: Mutation) -> Statement:
     Given: M1ii > 0.
     """
     t = column("rho", 2) | column("M", 2)
-    sigma, gamma = ca.SX([1, 1]), ca.SX([2, 0.08])
+    sigma, gamma = SX([1, 1]), SX([2, 0.08])
     rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), sigma, gamma)
     return Statement(t, mutation(0.081, 0.07) >= rate, positive(t.M1, t.M2))

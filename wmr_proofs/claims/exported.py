@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import accumulate
 from math import ceil, inf, nextafter
 
-import casadi as ca
+from casadi import SX, exp, fmax, horzcat, if_else, substitute, vertcat, vertsplit
 
 from wmr_ctrl.control.guard.bounds import pair_of
 from wmr_ctrl.control.guard.delay import (
@@ -63,7 +63,7 @@ class Assembled(Named):
         self.symbols = scalars(ports)
         self.p = p = named_ports(*ports)
         self.told = {output.signal.name: output.expr for output in self.system.diagnostics}
-        self.torque = ca.vertcat(*(output.expr for output in self.system.outputs))
+        self.torque = vertcat(*(output.expr for output in self.system.outputs))
         self.asked = p["force"] if "force" in p else self.told["force"]
         self.wheels = p["robot.r"], p["robot.l"]
         self.phi = 2 * p["actuator.tau_max"] / self.wheels[0]
@@ -74,7 +74,7 @@ class Assembled(Named):
         assert self.counted == second
 
     @cached_property
-    def axes(self) -> tuple[tuple[ca.SX, Bounds, InFlight | None], ...]:
+    def axes(self) -> tuple[tuple[SX, Bounds, InFlight | None], ...]:
         """Measured velocity, bounds and commands in transit of each axis.
 
         u1 is v_u1 less (1 + n) 2^-44 of it, n the commands and the periods of the lag.
@@ -85,7 +85,7 @@ class Assembled(Named):
         lasting = {name: T * time for name, time in times.items() if time}
         kept = (1 + late.commands + ceil(late.lag)) * 2.0**-44
         sums = self._felt if late.varying else self._summed
-        found: list[tuple[ca.SX, Bounds, InFlight | None]] = []
+        found: list[tuple[SX, Bounds, InFlight | None]] = []
         for axis, y in enumerate((p["v1"], p["omega"])):
             numbers = {name: p[f"guard.{name}"][axis] for name in names}
             u1, alpha = p["limits.v_u1"][axis] * (1 - kept), p["guard.alpha"]
@@ -105,15 +105,15 @@ class Assembled(Named):
 
     def _pieces(self, pieces: Sequence[Piece], axis: int, b: Bounds) -> InFlight:
         forces = self.forces
-        either = [ca.horzcat(*(forces[j - 1] for j in which)) for which, _ in pieces]
+        either = [horzcat(*(forces[j - 1] for j in which)) for which, _ in pieces]
         return in_flight(list(zip(either, (time for _, time in pieces), strict=True)), axis, b)
 
-    def _older(self, axis: int, b: Bounds) -> list[ca.SX]:
+    def _older(self, axis: int, b: Bounds) -> list[SX]:
         """Remaining share of older commands, ahead and back."""
         tail = self.counted.tail
         if tail is None:
-            return [ca.SX(0), ca.SX(0)]
-        kept, steady = self.p["guard_tail"], tail.steady * b.period * ca.fmax(b.net, 0)
+            return [SX(0), SX(0)]
+        kept, steady = self.p["guard_tail"], tail.steady * b.period * fmax(b.net, 0)
         return [(kept[2 * axis + k] + steady) / b.M_min for k in (0, 1)]
 
     def _felt(self, axis: int, b: Bounds) -> InFlight:
@@ -123,7 +123,7 @@ class Assembled(Named):
         for k, way in enumerate((1, -1)):
             means, rests, z = self._followed(varying.pieces, self.forces, axis, b, k)
             left = T * varying.longest * z
-            after, again = z, ca.SX(0)
+            after, again = z, SX(0)
             if late.jitter:
                 p = push([self.forces[0][axis]], b, way)
                 again = waiting(z, p, T * late.jitter, T * varying.rises[0]) / b.M_min
@@ -140,11 +140,11 @@ class Assembled(Named):
         )  # fmt: skip
 
     def _followed(
-        self, pieces: Sequence[Passage], forces: Sequence[ca.SX], axis: int, b: Bounds, k: int
-    ) -> tuple[ca.SX, ca.SX, ca.SX]:
+        self, pieces: Sequence[Passage], forces: Sequence[SX], axis: int, b: Bounds, k: int
+    ) -> tuple[SX, SX, SX]:
         """Integrals of Z, for mean and rest, and its end value; ``forces``: the latest first."""
-        z = self.p["guard_tail"][2 * axis + k] + ca.fmax(b.net, 0)
-        mean = rest = ca.SX(0)
+        z = self.p["guard_tail"][2 * axis + k] + fmax(b.net, 0)
+        mean = rest = SX(0)
         for piece in pieces:
             p = push([forces[j - 1][axis] for j in piece.which], b, 1 - 2 * k)
             mean += b.period * integral(z, p, piece.mean)
@@ -157,13 +157,13 @@ class Assembled(Named):
         """The state one sample later, by name."""
         ends = accumulate((port.sym.numel() for port in self.system.state), initial=0)
         names = [port.signal.name for port in self.system.state]
-        return dict(zip(names, ca.vertsplit(self.system.update, [*ends]), strict=True))
+        return dict(zip(names, vertsplit(self.system.update, [*ends]), strict=True))
 
-    def consists(self, torque: ca.SX) -> Statement:
+    def consists(self, torque: SX) -> Statement:
         """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
         return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
 
-    def _parts(self, torque: ca.SX) -> Iterator[Relations]:
+    def _parts(self, torque: SX) -> Iterator[Relations]:
         bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
         flags = [feasible(b) for b in bounds]
         flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
@@ -173,11 +173,11 @@ class Assembled(Named):
         for age, now in enumerate((self.torque, *self.sent[:-1])[: len(self.sent)], 1):
             yield from every(self.later[f"tau_sent{age}"], now)
         yield from self.kept()
-        yield from every(self.later["guard_v"], ca.vertcat(*(y for y, _, _ in self.axes)))
+        yield from every(self.later["guard_v"], vertcat(*(y for y, _, _ in self.axes)))
         for axis, known in enumerate(self.least_pushes()):
             yield self.told["d_least"][axis] == known
 
-    def slow_drives(self) -> list[ca.SX]:
+    def slow_drives(self) -> list[SX]:
         """Conditions for the drives to be no slower, no sooner and no more varied than counted."""
         p, T, near = self.p, self.p["clock.control"], 1 + 2.0**-44
         delay, lag, spread = (p.get(f"actuator.{key}", 0) for key in ("delay", "lag", "lag_spread"))
@@ -191,7 +191,7 @@ class Assembled(Named):
             met.append(delay * near >= _periods(least) * T)
         if fast < slow:
             step = p["clock.plant"]
-            growth = ca.exp(step / (lag * (1 - spread))) - 1
+            growth = exp(step / (lag * (1 - spread))) - 1
             met.append(step >= _periods(fast) * T * growth)
         return met
 
@@ -203,24 +203,24 @@ class Assembled(Named):
                 yield from every(self.later["tau_applied"], (self.torque, *self.sent)[-1])
             return
         later = [self._joined(axis, b) for axis, (_, b, _) in enumerate(self.axes)]
-        yield from every(self.later["guard_tail"], ca.vertcat(*later))
+        yield from every(self.later["guard_tail"], vertcat(*later))
         if "guard_monitor_tail" in self.later:
             told = self._kept_as_named(self._motion.following(self._both))
             yield from every(self.later["guard_monitor_tail"], told)
 
-    def _kept_as_named(self, expr: ca.SX) -> ca.SX:
+    def _kept_as_named(self, expr: SX) -> SX:
         """An expression of the monitor's with the state of the exported graph."""
         kept = self._motion.tails.state
-        return ca.substitute(expr, kept[0].sym, self.p["guard_monitor_tail"]) if kept else expr
+        return substitute(expr, kept[0].sym, self.p["guard_monitor_tail"]) if kept else expr
 
-    def _joined(self, axis: int, b: Bounds) -> ca.SX:
+    def _joined(self, axis: int, b: Bounds) -> SX:
         """The share of older commands a sample later."""
-        late, rest = self.counted, ca.fmax(b.net, 0)
+        late, rest = self.counted, fmax(b.net, 0)
         forces = [wheel_to_force(*self.wheels, self.torque), *self.forces]
         if late.varying:
             pieces = late.varying.entering
             ends = [self._followed(pieces, forces, axis, b, k)[2] for k in (0, 1)]
-            return ca.vertcat(*ends) - rest
+            return vertcat(*ends) - rest
         assert late.tail is not None
         sure, mixed = late.tail.entering
         n, rows = late.commands, []
@@ -230,13 +230,13 @@ class Assembled(Named):
             joins = sure * push([old], b, way) + mixed * push([old, newer], b, way)
             stays = late.tail.decay * self.p["guard_tail"][2 * axis + k]
             rows.append(stays + b.period * (joins - (sure + mixed) * rest))
-        return ca.vertcat(*rows)
+        return vertcat(*rows)
 
     @property
     def _both(self) -> Bounds:
         first, second = (b for _, b, _ in self.axes)
         names = ("u1", "M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
-        pairs = {n: ca.vertcat(getattr(first, n), getattr(second, n)) for n in names}
+        pairs = {n: vertcat(getattr(first, n), getattr(second, n)) for n in names}
         return Bounds(period=first.period, alpha=first.alpha, **pairs)
 
     @cached_property
@@ -245,7 +245,7 @@ class Assembled(Named):
         new = wheel_to_force(*self.wheels, self.torque)
         return LateMotion(since, self.forces, new)
 
-    def least_pushes(self) -> Iterator[ca.SX]:
+    def least_pushes(self) -> Iterator[SX]:
         """The monitor's figure of each axis, once all that it counts was sent."""
         p, at_once = self.p, "guard_started" in self.p
         for axis, (y, b, _) in enumerate(self.axes):
@@ -259,7 +259,7 @@ class Assembled(Named):
             else:
                 least = self._kept_as_named(self._motion.least_push(axis, y, before, b))
                 begun = p["guard_samples"] >= 2 + ceil(self.counted.most)
-            yield ca.if_else(begun, least, 0)
+            yield if_else(begun, least, 0)
 
     @property
     def signs(self) -> Relations:
@@ -270,7 +270,7 @@ class Assembled(Named):
         if not self.counted.lag:
             return numbers
         return numbers, positive(
-            self.p["actuator.lag"], 1 - self.p.get("actuator.lag_spread", ca.SX(0))
+            self.p["actuator.lag"], 1 - self.p.get("actuator.lag_spread", SX(0))
         )
 
     @property
@@ -284,8 +284,8 @@ def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
     """It consists of the torques of its map on both axes' clips and safe points."""
     r, half = e.wheels
     force, safe = (
-        ca.vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
-        for wish in (ca.vertsplit(e.asked), (ca.SX(0), ca.SX(0)))
+        vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
+        for wish in (vertsplit(e.asked), (SX(0), SX(0)))
     )
     return e.consists(mutation * force_to_wheel(r, half, MAPS[kind](force, e.phi, half, safe)))
 

@@ -6,7 +6,7 @@ One axis and direction at a time, without delay and losses.
 from fractions import Fraction
 from itertools import product
 
-import casadi as ca
+from casadi import SX, expm1, if_else, logic_or
 
 from wmr_ctrl.control.filter.channels import WAYS
 from wmr_ctrl.control.filter.governor import NEAR, drive, drive_back
@@ -30,7 +30,7 @@ from wmr_proofs.statement import (
 from .command_filter import admits, highest
 from .common import elements_of, ports_of
 
-claim = Claims(by=Z3())
+claim = Claims()
 STATED = {
     "filter.kind": "governor", "filter.tau": ((0.2, 0.3), (0.1, 0.4)),
     "filter.gain": ((0.9, 1.1), (0.8, 1.2)), "filter.d": (0.05, 0.05),
@@ -70,10 +70,10 @@ class AssembledStep(Named):
         self.bounds = self.graph.channels[axis].sides[side]
         T, (low, high) = self.graph.T, self.graph.motions[side][axis].tau
         self.slow = low > 0, high >= low
-        self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / low)}
-        self.cuts |= {"-most": ca.expm1(-T / low), "-least": ca.expm1(-T / high)}
+        self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / expm1(T / low)}
+        self.cuts |= {"-most": expm1(-T / low), "-least": expm1(-T / high)}
 
-    def given(self, mutation: Mutation, target: ca.SX) -> Relations:
+    def given(self, mutation: Mutation, target: SX) -> Relations:
         """Hypotheses on base, speed, odometry and exponentials; the mean under a command.
 
         Odometry, if there is any, is as stated; so are the stored bounds, if the sample came in
@@ -86,7 +86,7 @@ class AssembledStep(Named):
         up, down = (known.sym[axis] for known in graph.known)
         error = mutation(1, 1.01) * b.nbar
         there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
-        timely = ca.logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
+        timely = logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
         return (
             ahead >= b.dbar, back >= b.dbar, b.dbar >= 0, ahead >= v,
             back >= -v,
@@ -117,15 +117,15 @@ def limits(mutation: Mutation) -> Statement:
     goals, given = list[Relations](), list[Relations]()
     for axis, channel in enumerate(graph.channels):
         (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]
-        growth = ca.expm1(graph.T / low)
+        growth = expm1(graph.T / low)
         kappa = 1 / growth
-        cuts |= {f"kappa {name}": kappa, f"-most {name}": ca.expm1(-graph.T / low)}
-        cuts[f"-least {name}"] = ca.expm1(-graph.T / high)
+        cuts |= {f"kappa {name}": kappa, f"-most {name}": expm1(-graph.T / low)}
+        cuts[f"-least {name}"] = expm1(-graph.T / high)
         given += [positive(low, high, growth, kappa)]
         for side, b in zip(graph.limits, channel.sides, strict=True):
             given.append(admits(b))
             goals.append(side[axis] >= mutation(0, b.V))
-            goals.append(ca.if_else(b.dbar < b.V, side[axis], 1) > 0)
+            goals.append(if_else(b.dbar < b.V, side[axis], 1) > 0)
     table = elements_of(*ports_of(graph.system))
     return Statement(table, goals, given, cuts)
 

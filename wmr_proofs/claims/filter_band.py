@@ -6,7 +6,7 @@ Tables of a few pieces and the tail: the pieces of longer tables are all treated
 
 from itertools import product
 
-import casadi as ca
+from casadi import SX, fmax, sum1, vertcat
 
 from wmr_ctrl.control.filter.band import BandGovernor
 from wmr_ctrl.control.filter.forecast import (
@@ -23,7 +23,6 @@ from wmr_ctrl.control.filter.forecast import (
 )
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Cuts,
     Named,
@@ -40,7 +39,7 @@ from wmr_proofs.statement import (
 from .common import BOTH_AXES, elements_of
 from .filter_assembled import STATED
 
-claim = Claims(by=Z3())
+claim = Claims()
 WAYS = {"over": {"way": 1}, "under": {"way": -1}}
 
 
@@ -74,7 +73,7 @@ class BandAxis(Named):
         return shares, self.tail >= 0, self.c > 0
 
 
-def bound_of(forecast: Forecast, way: int, part: int = 0) -> ca.SX:
+def bound_of(forecast: Forecast, way: int, part: int = 0) -> SX:
     """Bound of v - u (way 1) or of u - v on one part: a piece, or -1 for the tail."""
     pieces = forecast.over if way > 0 else forecast.under
     past = forecast.past_over if way > 0 else forecast.past_under
@@ -110,8 +109,8 @@ def mirrored(mutation: Mutation) -> Statement:
     """
     a = BandAxis()
     s = a.symbols
-    there = a.forecast.mirrored(ca.SX(-1)).changed(-mutation(1, 1.1) * s.to, a.table)
-    here = a.forecast.changed(s.to, a.table).mirrored(ca.SX(-1))
+    there = a.forecast.mirrored(SX(-1)).changed(-mutation(1, 1.1) * s.to, a.table)
+    here = a.forecast.changed(s.to, a.table).mirrored(SX(-1))
     goals = [bound_of(x, way) - bound_of(y, way) >= 0
              for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
     return Statement(s, goals, a.stated)
@@ -143,7 +142,7 @@ class BandStep(BandAxis):
         steep = [item * (item - FLATTEST) >= 0 for item in over]
         return super().stated, younger, steep
 
-    def most(self, held: bool) -> ca.SX:
+    def most(self, held: bool) -> SX:
         """c'' for a constant command, c' if 0 follows."""
         return self.c * (HELD if held else 1 + FLATTEST)
 
@@ -157,7 +156,7 @@ class BandStep(BandAxis):
 
     def inside(self, *parts: int) -> Relations:
         """Goals for v, and for -v with 0 sent."""
-        stop = self.forecast.changed(ca.SX(0), self.table)
+        stop = self.forecast.changed(SX(0), self.table)
         return self.held(*parts), *(self.within(stop, part, -1, held=False) for part in parts)
 
 
@@ -174,7 +173,7 @@ def least(mutation: Mutation) -> Statement:
     cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
     largest = a.forecast.largest(a.c, a.table, a.inverse[1:])
     most = mutation(1, 1.1) * largest
-    goals = (ca.fmax(a.u + line, 0) >= most for line in cuts.values())
+    goals = (fmax(a.u + line, 0) >= most for line in cuts.values())
     return a.states(*goals, cuts=cuts)
 
 
@@ -220,7 +219,7 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
     behind = -1 if part == "tail" else PIECES
     admitted = (a.within(known, behind, 1),) if way > 0 else (a.u + a.stopped[line] >= to,)
     after = a.forecast.changed(mutation(1, 1.5) * to, a.table).later(a.table)
-    after = after.changed(ca.SX(0), a.table)
+    after = after.changed(SX(0), a.table)
     parts = (*range(1, a.size), -1) if part == "tail" else (0,)
     goals = tuple(a.within(after, k, way, held=way > 0) for k in parts)
     return Statement(a, goals, (a.stated, a.inside(behind), to >= 0, admitted))
@@ -235,7 +234,7 @@ def zero(mutation: Mutation) -> Statement:
     Given: {AFTER}; u >= 0; {BAND_INSIDE}.
     """
     a = BandStep()
-    now = a.forecast.changed(ca.SX(0), a.table)
+    now = a.forecast.changed(SX(0), a.table)
     after = now.later(a.table).changed(mutation(0, 1) * a.c, a.table)
     every = product((now, after), a.everywhere, (1, -1))
     goals = (a.within(f, part, way, held=way > 0) for f, part, way in every)
@@ -254,12 +253,12 @@ def zero_held(mutation: Mutation) -> Statement:
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps
-    known = tuple(a.table.high[i] >= ca.SX(FLATTEST) for i in range(a.size))
+    known = tuple(a.table.high[i] >= SX(FLATTEST) for i in range(a.size))
     goals = mutation(1, 0.9) * fall >= s.u, s.u + rise >= 0
     return Statement(s, goals, (a.stated, known, s.u >= 0, a.inside(*a.everywhere)))
 
 
-whole_claim = Claims(by=Z3())
+whole_claim = Claims()
 BANDED = {
     "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
     "filter.frequency": (4.0, 5.0), "filter.gain": STATED["filter.gain"], "clock.control": 0.1,
@@ -328,10 +327,10 @@ def beat(mutation: Mutation) -> Statement:
     the last one; before, behind >= 0; the next one comes a period and ``off`` after that.
     """
     s = symbols("before behind off p q")
-    after = spread_of(ca.vertcat(s.before, s.behind), s.off)
+    after = spread_of(vertcat(s.before, s.behind), s.off)
     p, q = (s[name] - mutation(1, 0.9) * s.off for name in ("p", "q"))
     given: list[Relations] = [nonnegative(s.before, s.behind)]
-    goals: list[Relations] = [nonnegative(after[0], after[1]), ca.sum1(after) >= p - q]
+    goals: list[Relations] = [nonnegative(after[0], after[1]), sum1(after) >= p - q]
     for name, own in (("p", p), ("q", q)):
         given.append(between(-s.before, s[name], s.behind))
         goals.append(between(-after[0], own, after[1]))
@@ -374,7 +373,7 @@ def past(mutation: Mutation, way: int) -> Statement:
     it, the same of -v and -held.
     """
     s = symbols("past held c v")
-    bound = Fading(ca.SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]
+    bound = Fading(SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]
     v = way * (s.v - s.held)
     known = s.past >= mutation(1, 0.9) * v, PAST * s.c >= way * s.v
     return Statement(s, bound >= v, (known, nonnegative(s.c, v)))

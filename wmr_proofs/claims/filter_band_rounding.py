@@ -3,11 +3,10 @@
 A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`).
 """
 
-import casadi as ca
+from casadi import SX, symvar, vertcat
 
 from wmr_ctrl.control.filter.forecast import PAST, PIECES, Fading, spread_of, stays_of
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement, between, listed, nonnegative, symbols, within
 
 from .filter_band import WAYS, BandAxis, BandStep, bound_of
@@ -19,7 +18,7 @@ WIDER = 2.0**-44
 LEVEL = PAST - 2.0**-47
 """Share of c within which a command that is held keeps the speed, whatever was rounded."""
 
-claim = Claims(by=Z3(), premises="assumption.libm")
+claim = Claims(premises="assumption.libm")
 
 
 def _sizes(a: BandAxis) -> Relations:
@@ -104,10 +103,10 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
         room, left = (both[0 if up else 1][0] for both in rooms)
     change, product = s.to - u, inverse * slope
     text = u + room * inverse if up else u - room * inverse
-    own = {item.name() for item in ca.symvar(ca.vertcat(text, left, s.to))}
+    own = {item.name() for item in symvar(vertcat(text, left, s.to))}
     known = listed((a.stated, _sizes(a), within(table.after[0], 5)))
     given = (
-        [part for part in known if {item.name() for item in ca.symvar(part.expr)} <= own],
+        [part for part in known if {item.name() for item in symvar(part.expr)} <= own],
         way * change >= 0, s.c > 0, 16 * inverse >= 1,
         slope > 0 if stops else slope >= 0,
         product >= 1 if stops and way < 0 else product <= 1,
@@ -133,7 +132,7 @@ def beat(mutation: Mutation) -> Statement:
     """
     s = symbols("before behind since T e p made_before made_behind")
     T, off = s.T, s.since - s.T
-    after = spread_of(ca.vertcat(s.before, s.behind), off)
+    after = spread_of(vertcat(s.before, s.behind), off)
     most, p = s.e + mutation(1, 2.0**-4) * 2.0**-51 * T, s.p - off
     given = (
         T > 0, between(0, s.since, 2 * T), s.e >= 0, between(0, s.before, T),
@@ -203,7 +202,7 @@ def reached(mutation: Mutation) -> Statement:
     s = symbols("reach furthest r reached u to made")
     reach, furthest, r, reached, u, to, made = s.values()
     change = to - u
-    none = ca.SX(0)
+    none = SX(0)
     after = Fading(reach, none, none).changed(change, furthest)
     listed = furthest >= reached * (1 + mutation(1, 0) * 2.0**-41)
     given = nonnegative(r, reached), reach >= r * (1 + 2.0**-42), listed
@@ -224,7 +223,7 @@ def past(mutation: Mutation, way: int) -> Statement:
     command stays held; under it, the same of -v and -held; operations rounded by at most 2^-53.
     """
     s = symbols("c past held v made")
-    bounds = Fading(ca.SX(0), s.past, s.held).bounds(s.c)
+    bounds = Fading(SX(0), s.past, s.held).bounds(s.c)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
     given = s.c > 0, within(s.held, 2 * s.c), s.past >= v, most >= way * s.v
     goal = s.made >= v

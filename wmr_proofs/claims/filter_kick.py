@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from itertools import combinations, product
 
-import casadi as ca
+from casadi import SX, expm1, fmin, if_else, tanh, vertcat, vertsplit
 
 from wmr_ctrl.control.filter import held_loop
 from wmr_ctrl.control.filter.channels import WAYS
@@ -14,7 +14,6 @@ from wmr_ctrl.world.model.friction import friction, largest_slope
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.speed_loops import SPEED_LOOP
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Named,
     Relations,
@@ -33,12 +32,12 @@ from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
 from .common import BOTH_AXES, PRESET, ports_of, scalars
 from .wheels_and_encoders import EffectGraph
 
-claim = Claims(by=Z3())
+claim = Claims()
 STAGES = ("half", "again", "end")
 BASE = {"base.kind": "velocity", "changes": ()}
 
 
-def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
+def pushed(g: EffectGraph) -> tuple[SX, Symbols]:
     """Both axes' `push_speeds` of a graph's base, for symbols of pushes and errors."""
     scenario, trace = traced(g.scenario, ("base", "robot", "clock"))
     told = symbols("push1 push2 error1 error2")
@@ -47,7 +46,7 @@ def pushed(g: EffectGraph) -> tuple[ca.SX, Symbols]:
     with functions_for_traced("wmr_ctrl.control.filter", but="wmr_ctrl.control.filter.hypotheses"):
         off = Bound(dbar=(push[0], push[1]), command=(error[0], error[1]))
         speeds = held_loop.push_speeds(scenario, off)
-    return exchanged(ca.vertcat(*map(expression, speeds)), trace.symbols, g), told
+    return exchanged(vertcat(*map(expression, speeds)), trace.symbols, g), told
 
 
 @claim(
@@ -66,10 +65,10 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     g = EffectGraph(SPEED_LOOP, BASE, "robot clock")
     d, t = pushed(g)
     m, inertia, mu, r, l, gravity, v_s = (g[key] for key in KEYS)
-    h, most, v = g["clock.plant"], g["actuator.tau_max"], ca.vertcat(g["v1"], g["omega"])
+    h, most, v = g["clock.plant"], g["actuator.tau_max"], vertcat(g["v1"], g["omega"])
     force = wheel_to_force(r, l, g.system.y) - friction(mu, m, gravity, v_s, v)
-    tau = ca.vertsplit(g.column("base.tau"))
-    fades = [ca.expm1(-h / time) for time in tau]
+    tau = vertsplit(g.column("base.tau"))
+    fades = [expm1(-h / time) for time in tau]
     asked = g.system.u[axis] - t[f"error{axis + 1}"]
     goes = h * (force[axis] + mutation * t[f"push{axis + 1}"]) / (m, inertia)[axis]
     way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
@@ -91,32 +90,32 @@ class HeldStep:
         self.robot = robot = plant(load_scenario(PRESET))
         t = scalars(ports_of(robot)) | symbols("step", "step")
         self.m, _, self.mu, r, l, self.g, self.v_s = (t[key] for key in KEYS)
-        tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
+        tau = vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
         force, self.v, self.h = wheel_to_force(r, l, tau)[0] + t.thrust, t.v1, t.step
         self.after = rk4_step(robot, self.h)[3]
         self.way = self.h * (force - self.friction(self.v)) / self.m
         self.at = {"start": self.v} | dict(zip(STAGES, self.stages(), strict=True))
         self.at |= {"after": self.after} if behind else {}
         self.t = t | symbols(" ".join(self.at))
-        self.cuts = {name: ca.tanh(v / self.v_s) for name, v in self.at.items()} | {"force": force}
+        self.cuts = {name: tanh(v / self.v_s) for name, v in self.at.items()} | {"force": force}
         self.given = positive(self.m, self.g, self.v_s, self.h), nonnegative(self.mu, self.way)
 
-    def changes(self, pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[ca.SX, ca.SX]]:
+    def changes(self, pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[SX, SX]]:
         """Change of friction's tanh from one speed to another, and that of its argument."""
         for one, other in pairs:
             yield self.t[other] - self.t[one], (self.at[other] - self.at[one]) / self.v_s
 
     @property
-    def x(self) -> ca.SX:
+    def x(self) -> SX:
         """Friction's pace."""
         slope = largest_slope(self.mu, self.m, self.g, self.v_s)
         return held_loop.pace_of_friction(self.h, slope, self.m)
 
-    def friction(self, v: ca.SX) -> ca.SX:
+    def friction(self, v: SX) -> SX:
         """F1 at a speed."""
-        return friction(self.mu, self.m, self.g, self.v_s, ca.vertcat(v, 0))[0]
+        return friction(self.mu, self.m, self.g, self.v_s, vertcat(v, 0))[0]
 
-    def stages(self) -> Iterator[ca.SX]:
+    def stages(self) -> Iterator[SX]:
         """v1 at each further stage."""
         robot, h = self.robot, self.h
         rate, x = robot.function("rate", [robot.update]), robot.x
@@ -183,7 +182,7 @@ class Command(Named):
         self.symbols = t = symbols(f"start bound asked gone credit left {fixed}", fixed)
         self.push = held_loop.push_of_kick(mutation(1, 0.9) * t.kick, t.gone_least)
         kappa = 1 / t.gone_most - 1
-        unused, d = ca.SX(0), t.d + self.push
+        unused, d = SX(0), t.d + self.push
         limits = FirstOrder(t.V, d, unused, unused, t.K_max, kappa)
         self.given: Relations = (
             positive(t.V, t.K_max, t.gone_least), between(0, t.left, t.credit),
@@ -193,7 +192,7 @@ class Command(Named):
             t.start + t.credit <= t.V,
         )  # fmt: skip
 
-    def reached(self, start: ca.SX, push: ca.SX, gone: ca.SX) -> ca.SX:
+    def reached(self, start: SX, push: SX, gone: SX) -> SX:
         """Speed after the loop has covered the share ``gone`` of its way."""
         return (1 - gone) * start + gone * (self.K_max * self.asked + push)
 
@@ -220,11 +219,11 @@ def held_rim(mutation: Mutation) -> Statement:
     t = Command(mutation)
     true, enough = t.reached(t.start, t.d, t.gone), t.gone >= t.gone_least
     carried = t.reached(t.bound, t.d + t.push, t.gone)
-    seen = t.reached(ca.fmin(t.start + t.kick, t.V), t.d + t.push, t.gone)
+    seen = t.reached(fmin(t.start + t.kick, t.V), t.d + t.push, t.gone)
     goals = (
         true + t.credit <= t.V,
-        true + ca.if_else(enough, t.kick, 0) <= t.V,
-        ca.if_else(enough, carried - (true + t.kick), 0) >= 0,
+        true + if_else(enough, t.kick, 0) <= t.V,
+        if_else(enough, carried - (true + t.kick), 0) >= 0,
         seen >= true + t.credit,
     )
     return t.states(goals, given=t.given)
@@ -248,11 +247,11 @@ def held_share(mutation: Mutation) -> Statement:
     d = held_loop.push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held
     after = t.v + t.share * t.q * (t.to - t.v), t.omega + t.q * (t.turn_to - t.omega)
 
-    def inside(v: ca.SX, omega: ca.SX, less: ca.SX) -> Relations:
+    def inside(v: SX, omega: SX, less: SX) -> Relations:
         rims = (v + way * t.l * omega for way in WAYS)
         return within(v, t.V - less), [within(rim, t.W - less) for rim in rims]
 
     shares = between(0, t.held, 1), between(1 - t.held, t.share, 1), between(0, t.q, 1)
-    before = inside(t.v, t.omega, ca.SX(0)), inside(t.to, t.turn_to, d)
+    before = inside(t.v, t.omega, SX(0)), inside(t.to, t.turn_to, d)
     given = positive(t.l, t.V, t.W), shares, before
-    return Statement(t, inside(*after, ca.SX(0)), given)
+    return Statement(t, inside(*after, SX(0)), given)

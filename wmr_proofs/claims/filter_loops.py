@@ -1,6 +1,6 @@
 """The command filter on bases that overshoot, and on bases whose wheels are not alike."""
 
-import casadi as ca
+from casadi import fmin, if_else, vertsplit
 
 from wmr_ctrl.control.filter.asked import JUST_ABOVE, for_base
 from wmr_ctrl.control.filter.channels import WAYS
@@ -9,13 +9,12 @@ from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.command_ramp import moved
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement, nonnegative, positive, symbols, within
 
 from .common import elements_of, ports_of
 from .filter_assembled import STATED
 
-claim = Claims(by=Z3())
+claim = Claims()
 LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0)}
 """Settings for the structure of the clip of linear loops; its numbers are symbols."""
 
@@ -30,7 +29,7 @@ def wheel_box(mutation: Mutation) -> Statement:
     """
     t = symbols("v omega V Omega l", "V Omega l")
     v, omega, V, Omega, l = t.values()
-    top = mutation(1, 1.01) * ca.fmin(V, l * Omega)
+    top = mutation(1, 1.01) * fmin(V, l * Omega)
     rims = [v + way * l * omega for way in WAYS]
     given = l > 0, [within(rim, top) for rim in rims]
     goals = within(v, V), within(omega, Omega)
@@ -61,9 +60,9 @@ def in_time(mutation: Mutation) -> Statement:
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
     since = named["since"]
     either = nonnegative(came * (came - 1), came * (1 - came))
-    given = since >= 0, count.sym == ca.fmin(since, most), either
+    given = since >= 0, count.sym == fmin(since, most), either
     then = mutation(1, 2) * came * (since + 1)
-    goals = graph.in_time[0] == ca.fmin(then, most), graph.punctual == (then >= most)
+    goals = graph.in_time[0] == fmin(then, most), graph.punctual == (then >= most)
     return Statement(named, goals, given, {"came": came})
 
 
@@ -94,11 +93,11 @@ def least(mutation: Mutation) -> Statement:
     graph = for_base(clip.system, stated)
     named = elements_of(*ports_of(graph))
     given, goals, cuts = list[Relations](), list[Relations](), {"sound": clip.sound}
-    rest, way = ca.vertsplit(graph.x, 2)
+    rest, way = vertsplit(graph.x, 2)
     for axis, limit in enumerate(clip.limits):
         band, w = named[f"base.deadband.{axis + 1}"] * JUST_ABOVE, way[axis]
         cuts[f"limit {axis}"], u = limit, graph.y[axis]
-        idle = ca.if_else(band <= limit, u * (abs(u) < mutation(1, 1.1) * band), 0)
+        idle = if_else(band <= limit, u * (abs(u) < mutation(1, 1.1) * band), 0)
         given += positive(band, limit), within(rest[axis], band), w * (w * w - 1) == 0
         goals += within(u, limit), within(graph.update[axis], band), idle == 0
     return Statement(named, goals, given, cuts)

@@ -1,5 +1,5 @@
-"""Rounding of the command filter: clip and governor as the compiled text computes them, and commands
-brought inside all limits, at once or slowly.
+"""Rounding of the command filter: clip and governor as the compiled text computes them,
+and commands brought inside all limits, at once or slowly.
 
 A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`), an
 exponential by at most 2^-49. V is the limit that the text aims at, the stated one less 2^-26: the
@@ -9,7 +9,7 @@ kept back of it.
 
 from typing import Any
 
-import casadi as ca
+from casadi import SX, expm1, fmax, fmin, logic_not, logic_or, vertsplit
 
 from wmr_ctrl.control.filter import governor
 from wmr_ctrl.control.filter.channels import (
@@ -28,7 +28,6 @@ from wmr_ctrl.control.filter.governor_step import contradiction
 from wmr_ctrl.control.filter.ramp_stop import stopping_speed
 from wmr_ctrl.control.filter.ways import Reached, Stop, farthest
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     UNIT,
     Cuts,
@@ -59,7 +58,7 @@ OFF, AIMED_OFF = 64 * UNIT, 208 * UNIT
 odometry divides, and by what share of V this may move it."""
 A_PIECE = 2.0**-14
 """Least share of the way that the base goes while a command may act, for each piece of the time."""
-claim = Claims(by=Z3(), premises="assumption.libm")
+claim = Claims(premises="assumption.libm")
 
 
 def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
@@ -67,7 +66,7 @@ def _numbers(further: str, fixed: str = "") -> tuple[Symbols, FirstOrder]:
     return s, FirstOrder(**{name: s[name] for name in NUMBERS.split()})
 
 
-def _computed(value: ca.SX, exact: ca.SX, off: Number = 0.0) -> Relations:
+def _computed(value: SX, exact: SX, off: Number = 0.0) -> Relations:
     """A computed exponential of a time whose relative error is ``off``."""
     return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
 
@@ -85,7 +84,7 @@ def clip(mutation: Mutation) -> Statement:
     """
     s, b = _numbers("direct inverse")
     aimed = b.V * (1 - mutation(ROUNDING, -ROUNDING))
-    top = largest_command(aimed, FirstOrder(aimed, b.dbar, b.nbar, b.K_min, b.K_max, ca.SX(0)))
+    top = largest_command(aimed, FirstOrder(aimed, b.dbar, b.nbar, b.K_min, b.K_max, SX(0)))
     computed = {"direct": top, "inverse": (aimed - b.dbar) * (1 / b.K_max)}
     goals = tuple((b.K_max * s[name] + b.dbar) * (1 + 2.0**-46) <= b.V for name in computed)
     return Statement(s, goals, (sound(b), aimed > b.dbar), computed=computed)
@@ -226,12 +225,12 @@ def rest(mutation: Mutation) -> Statement:
     ends = {f"end{k}": piece.end * T for k, piece in enumerate(pieces)}
     starts = {"start": pieces[0].start * T}
     s |= symbols(" ".join((*ends, *starts)))
-    left = governor.SpeedBound(LOOKED_BACK, FirstOrder(*[ca.SX(1)] * 6), (ca.SX(1), ca.SX(1)), T)
+    left = governor.SpeedBound(LOOKED_BACK, FirstOrder(*[SX(1)] * 6), (SX(1), SX(1)), T)
     spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, list[Relations]()
     for k, piece in enumerate(pieces):
         start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
         over, whole = -age >= end, -age <= start
-        part = ca.logic_not(ca.logic_or(over, whole))
+        part = logic_not(logic_or(over, whole))
         off = within(s.rest - (piece.end * T + age), spare)
         goals += when(part, off)
         goals.append(when(over, spare >= piece.end * T + age))
@@ -255,7 +254,7 @@ def odometry(mutation: Mutation) -> Statement:
     V, slack = b.V, SLACK * b.V
     given = V > 0, b.nbar >= 0, within(s.v, V + slack)
     known = s.y + b.nbar >= s.v
-    goal = ca.fmin(s.sum, V) + mutation(1, -1) * slack >= s.v
+    goal = fmin(s.sum, V) + mutation(1, -1) * slack >= s.v
     return Statement(s, goal, (given, known), computed={"sum": s.y + b.nbar})
 
 
@@ -303,14 +302,14 @@ def way(mutation: Mutation) -> Statement:
     return Statement(s, goal, given, computed=computed)
 
 
-class Line(Stop[ca.SX]):
+class Line(Stop[SX]):
     """A stop whose room, and s and r of whose line, are symbols."""
 
-    def room(self, free: ca.SX) -> ca.SX:
+    def room(self, free: SX) -> SX:
         """The room itself."""
         return free
 
-    def line(self, instant: ca.SX, tau: ca.SX) -> tuple[ca.SX, ca.SX]:
+    def line(self, instant: SX, tau: SX) -> tuple[SX, SX]:
         """Both of them."""
         return instant, tau
 
@@ -327,7 +326,7 @@ def line(mutation: Mutation) -> Statement:
     rounded by at most 2^-53.
     """
     t = symbols("tau acts last at q fading minus s r")
-    D, A, none = t.acts + (t.last - t.at), t.tau * t.q, ca.SX(0)
+    D, A, none = t.acts + (t.last - t.at), t.tau * t.q, SX(0)
     s, r = Stop((t.tau, t.fading), none, None, t.acts, t.last, none).line(t.at, t.tau)
     most = mutation(1, 2.0**-8) * 2.0**-46 * (D + t.fading)
     given = (
@@ -336,7 +335,7 @@ def line(mutation: Mutation) -> Statement:
     )  # fmt: skip
     exact = D - A + t.fading * t.q, A + t.fading * (1 - t.q)
     goals = within(t.s - exact[0], most), within(t.r - exact[1], most)
-    cuts = {"minus": ca.expm1(-D / t.tau)}
+    cuts = {"minus": expm1(-D / t.tau)}
     return Statement(t, goals, given, cuts, computed={"s": s, "r": r})
 
 
@@ -351,11 +350,11 @@ def command(mutation: Mutation) -> Statement:
     Given: 0 < s; 0 <= r, d, speed; way, r max(speed, d) <= F; |room| <= 4 F, all as computed; 0 <=
     u <= hi; operations rounded by at most 2^-53.
     """
-    t, none = symbols("F K push room s r way speed u hi"), ca.SX(0)
+    t, none = symbols("F K push room s r way speed u hi"), SX(0)
     F, K, push, room, s, r, way, speed, u, hi = t.values()
     stop = Line((r, r), push, None, none, none, none)
     made = (stop.steady(room, [Reached(s, way, speed)]) - push) / K
-    led, most = r * ca.fmax(speed, push), mutation(1, 2.0**-10) * 2.0**-46 * F
+    led, most = r * fmax(speed, push), mutation(1, 2.0**-10) * 2.0**-46 * F
     given = (
         K > 0, s > 0, nonnegative(r, push, way, speed), way <= F,
         led <= F, within(room, 4 * F), between(0, u, hi),
@@ -390,7 +389,7 @@ OVER = 2.0**-29
 """Share of its limit by which rounding may carry a command that changes slowly beyond it."""
 SLOWEST = 2.0**-20
 """Least change in a period of a command that changes slowly, as a share of its limit."""
-command_claim = Claims(by=Z3(), premises="assumption.libm")
+command_claim = Claims(premises="assumption.libm")
 
 
 class Limited(Named):
@@ -402,8 +401,8 @@ class Limited(Named):
     """
 
     def __init__(self, on: str) -> None:
-        arm, ones = ca.SX.sym("p.l"), FirstOrder(*[ca.SX(1)] * 6)
-        axes = [Channel((1 - i, i), ca.SX(1), (ones,), (1.0, 1.0)) for i in AXES]
+        arm, ones = SX.sym("p.l"), FirstOrder(*[SX(1)] * 6)
+        axes = [Channel((1 - i, i), SX(1), (ones,), (1.0, 1.0)) for i in AXES]
         sides = [Channel((1, way), arm, (ones,), (1.0, 1.0)) for way in SIDES]
         self.channels = {"body": axes, "wheels": sides, "both": [*axes, *sides]}[on]
         numbers = range(1, len(self.channels) + 1)
@@ -426,7 +425,7 @@ class Limited(Named):
         """True for v and omega."""
         return not all(channel.ways)
 
-    def kept(self, command: list[ca.SX], spare: float, axes: bool) -> Relations:
+    def kept(self, command: list[SX], spare: float, axes: bool) -> Relations:
         """v and omega (``axes``), or the wheels, within their limits, except for ``spare``."""
         kept = list[Relations]()
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
@@ -436,7 +435,7 @@ class Limited(Named):
                 kept += [high + spare * up >= speed, speed >= low - spare * down]
         return tuple(kept)
 
-    def computed(self, command: ca.SX) -> Cuts:
+    def computed(self, command: SX) -> Cuts:
         """Expressions of v and omega."""
         return {"v": command[0], "omega": command[1]}
 
@@ -504,7 +503,7 @@ def beside_cut(mutation: Mutation) -> Statement:
     """
     a = Limited("both")
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
-    sent = ca.vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
+    sent = vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
     known = a.kept(a.sent, BEYOND, axes=True), a.kept(a.sent, RIM / 2, axes=False)
     spare = mutation(RIM, RIM / 2)
     goals = a.kept(sent, 0, axes=True), a.kept(sent, spare, axes=False)
@@ -525,7 +524,7 @@ def slew_limit(mutation: Mutation) -> Statement:
     s = symbols("V K delta slew reach direct inverse", "V K delta slew reach")
     V, K, dbar = s.V, s.K, s.delta + s.slew * s.reach
     aimed = V * (1 - mutation(ROUNDING, -ROUNDING))
-    top = largest_command(aimed, FirstOrder(aimed, dbar, ca.SX(0), K, K, ca.SX(0)))
+    top = largest_command(aimed, FirstOrder(aimed, dbar, SX(0), K, K, SX(0)))
     computed = {"direct": top, "inverse": (aimed - dbar) * (1 / K)}
     added = s.delta + s.slew * (1 + 2.0**-30) * s.reach
     goals = tuple(K * s[name] * (1 + OVER) + added <= V for name in computed)

@@ -6,7 +6,7 @@ jitter, commands that are lost or held.  Each entry is about all scales, sides o
 
 from collections.abc import Mapping
 
-import casadi as ca
+from casadi import SX, expm1, fmax, logic_or, vertsplit
 
 from wmr_ctrl.control.filter.band import BandGovernor
 from wmr_ctrl.control.filter.channels import WAYS, Channel
@@ -15,7 +15,6 @@ from wmr_ctrl.control.filter.governor import NEAR, drive, drive_back
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Cuts,
     Relations,
@@ -35,7 +34,7 @@ from .filter_assembled import ALIKE, STATED
 from .filter_band import BANDED
 from .filter_loops import LINEAR, SLOW
 
-claim = Claims(by=Z3())
+claim = Claims()
 CLIPPED = STATED | {"filter.kind": "clip"}
 WHEELED: dict[str, object] = {"filter.channels": "wheels", **ALIKE}
 BESIDE: dict[str, object] = {"filter.wheel_speed": 1.0, **ALIKE}
@@ -193,7 +192,7 @@ def slew_together(mutation: Mutation) -> Statement:
         (before,), slew = clip.last, clip.p.take("filter.slew")
         cuts |= {f"numbers are sound {scale}": clip.sound}
         cuts |= {f"limit {i} {scale}": limit for i, limit in enumerate(clip.limits)}
-        given += positive(*ca.vertsplit(slew), *clip.limits, clip.T)
+        given += positive(*vertsplit(slew), *clip.limits, clip.T)
         given.append(clip.sound == 1)
         goals += between(0, clip.time, clip.T)
         for i, limit in enumerate(clip.limits):
@@ -280,13 +279,13 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     p = {port.signal.name: port.sym for port in ports}
     push, error, gain = (p[f"filter.{name}"] for name in ("d", "odometry", "gain"))
     T, tau = graph.T, p["filter.tau"]
-    cuts = {"1/(exp(T/tau_min) - 1)": 1 / ca.expm1(T / tau[0]), "-most": ca.expm1(-T / tau[0])}
-    cuts["-least"] = ca.expm1(-T / tau[1])
+    cuts = {"1/(exp(T/tau_min) - 1)": 1 / expm1(T / tau[0]), "-most": expm1(-T / tau[0])}
+    cuts["-least"] = expm1(-T / tau[1])
     kappa, most, least = cuts.values()
     seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
     given: list[Relations] = [
         positive(p["robot.l"], T, gain[0], f.kappa),
-        nonnegative(*ca.vertsplit(push), *ca.vertsplit(error)), f.kappa == kappa,
+        nonnegative(*vertsplit(push), *vertsplit(error)), f.kappa == kappa,
         f.gone == most, -f.kappa * f.gone == 1 + f.gone, positive(-least, 1 + most),
         least >= most, between(1 + most, f.E, 1),
     ]  # fmt: skip
@@ -305,11 +304,11 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
     return Statement(f | elements_of(*ports), goal, given, cuts)
 
 
-def _timely(graph: Governor) -> ca.SX:
+def _timely(graph: Governor) -> SX:
     """1 if a sample came when the filter expects one, within its jitter."""
     elapsed, T = graph.elapsed.sym, graph.T
     near = abs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
-    return ca.logic_or(elapsed == 0, near)
+    return logic_or(elapsed == 0, near)
 
 
 TIMES: tuple[dict[str, object], ...] = (
@@ -344,7 +343,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
         b, (low, _) = motion.bounds, motion.tau
         v, known_kappa, gone = symbols(f"speed{axis} kappa{axis} gone{axis}").values()
         table |= {f"speed{axis}": v, f"kappa{axis}": known_kappa, f"gone{axis}": gone}
-        kappa = 1 / ca.expm1(motion.schedule.longest * T / low)
+        kappa = 1 / expm1(motion.schedule.longest * T / low)
         cuts[f"1/(exp(H/tau_min) - 1) {axis}"] = kappa
         given += [known_kappa > 0, known_kappa == kappa]
         given += [-known_kappa * gone == 1 + gone, 1 + gone > 0]
@@ -358,6 +357,6 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
             known = graph.known[side].sym[axis]
             given += [when(graph.punctual, known >= way * v)]
             given += [between(1 + gone, E, 1), graph.limits[side][axis] >= u]
-            given.append(ca.fmax(drive(u, b), mutation(1, 9) * b.dbar) >= mean)
+            given.append(fmax(drive(u, b), mutation(1, 9) * b.dbar) >= mean)
             goals.append(E * way * v + (1 - E) * mean <= b.V)
     return Statement(table, goals, given, cuts)

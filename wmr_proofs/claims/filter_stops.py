@@ -4,7 +4,7 @@ E is the share of the old speed that is left, e1 and e2 its least (tau_min, the 
 its largest (tau_max, the least time), A a way for each m/s of a speed that fades.
 """
 
-import casadi as ca
+from casadi import SX, fmax, fmin, if_else
 
 from wmr_ctrl.control.filter.governor import FirstOrder, drive
 from wmr_ctrl.control.filter.ramp_stop import stopping_speed
@@ -12,7 +12,6 @@ from wmr_ctrl.control.filter.ways import Reached, Stop, covered, farthest, told_
 from wmr_ctrl.control.guard.changing import largest_fall
 from wmr_ctrl.control.guard.guard import Bounds
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Named,
     Relations,
@@ -26,7 +25,7 @@ from wmr_proofs.statement import (
 
 from .command_filter import NUMBERS, admits
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 class Lowered(Named):
@@ -45,9 +44,9 @@ class Lowered(Named):
         self.hi = told_command(self.V, self.v_bar, self.bounds, self.kappa_2)
         self.end = E * self.v + (1 - E) * self.mean
 
-    def stopped(self, share: ca.SX) -> ca.SX:
+    def stopped(self, share: SX) -> SX:
         """Largest of V and of what a stop leaves of the bound of the speed."""
-        return ca.fmax(self.V, self.dbar + share * (self.v_bar - self.dbar))
+        return fmax(self.V, self.dbar + share * (self.v_bar - self.dbar))
 
 
 @claim("filter.limits.enters")
@@ -100,8 +99,8 @@ def brake(mutation: Mutation) -> Statement:
     Given: v <= v_bar; afterwards the speed is v, or 0.
     """
     t = symbols("v v_bar stands")
-    after = ca.if_else(t.stands > 0, mutation(0, 1), t.v)
-    return Statement(t, ca.fmax(t.v_bar, 0) >= after, t.v_bar >= t.v)
+    after = if_else(t.stands > 0, mutation(0, 1), t.v)
+    return Statement(t, fmax(t.v_bar, 0) >= after, t.v_bar >= t.v)
 
 
 @claim("filter.free.way")
@@ -129,11 +128,11 @@ class Plan(Named):
     def __init__(self) -> None:
         names = "tau_1 tau_2 push rest acts last free w way m"
         self.symbols = t = symbols(names)
-        self.stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, t.acts, t.last, ca.SX(0))
+        self.stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, t.acts, t.last, SX(0))
         fades = [covered(t.acts + t.last, tau) for tau in (t.tau_1, t.tau_2)]
         self.A, self.fading = fades, self.stop.fading
         self.shares = [fade / tau for fade, tau in zip(fades, (t.tau_1, t.tau_2), strict=True)]
-        D, self.at = t.acts + t.last, Reached(ca.SX(0), t.way, t.w)
+        D, self.at = t.acts + t.last, Reached(SX(0), t.way, t.w)
         self.given: Relations = (
             t.tau_1 > 0, t.tau_2 >= t.tau_1, nonnegative(t.push, t.rest),
             t.acts > 0, t.last >= 0, t.w >= t.push, fades[0] > 0,
@@ -142,7 +141,7 @@ class Plan(Named):
             between(0, self.fading, t.rest),
         )  # fmt: skip
 
-    def needed(self, k: int, m: ca.SX) -> ca.SX:
+    def needed(self, k: int, m: SX) -> SX:
         """Way of the whole plan by one end of tau."""
         t = self.symbols
         D = t.acts + t.last
@@ -150,7 +149,7 @@ class Plan(Named):
         own = t.way + m * D + (t.w - m) * self.A[k]
         return own + self.fading * (end - t.push) + t.push * t.rest
 
-    def most(self, mutation: Mutation) -> ca.SX:
+    def most(self, mutation: Mutation) -> SX:
         """Largest steady speed that the free way admits."""
         return self.stop.steady(mutation(1, 1.01) * self.free, [self.at])
 
@@ -194,9 +193,9 @@ def real(mutation: Mutation) -> Statement:
         t.m >= t.d, t.w >= t.v, between(0, t.a_B, t.A_B), t.B >= t.A_B,
         t.m * t.D + (t.v - t.m) * t.a >= t.x_2,
         t.v + t.q * (t.m - t.v) >= t.v_3,
-        ca.fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B >= t.x_3, t.A_2 >= t.A_1,
+        fmax(t.v_3 - t.d, 0) * t.a_B + t.d * t.B >= t.x_3, t.A_2 >= t.A_1,
     )  # fmt: skip
-    return Statement(t, ca.fmax(*ways) >= t.x_2 + t.x_3, given)
+    return Statement(t, fmax(*ways) >= t.x_2 + t.x_3, given)
 
 
 @claim("filter.free.necessary")
@@ -209,14 +208,14 @@ def necessary(mutation: Mutation) -> Statement:
     """
     a = Plan()
     beyond = a.m > mutation(1, 0.99) * a.most(Mutation(1))
-    goal = ca.fmax(a.needed(0, a.m), a.needed(1, a.m)) > a.free
+    goal = fmax(a.needed(0, a.m), a.needed(1, a.m)) > a.free
     return a.states(goal, given=(a.given, beyond, a.m >= a.push, a.free > 0))
 
 
-def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[ca.SX], list[Relations]]:
+def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[SX], list[Relations]]:
     """Symbols of a base that is let go: way, speed at its start, and what that fades to."""
     t = symbols("tau_1 tau_2 push rest x_1 x_2 x_3 v_3 w a_B free target pull h q a")
-    stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, ca.SX(0), ca.SX(0), ca.SX(0))
+    stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, SX(0), SX(0), SX(0))
     least = stop.quick
     given: list[Relations] = [
         t.tau_1 > 0, nonnegative(t.rest, t.push, least),
@@ -253,7 +252,7 @@ def retreat(mutation: Mutation) -> Statement:
     retreat(...) <= free.
     """
     t, stop, given = _leaving(Mutation(1))
-    speed = ca.fmax(t.w, t.target)
+    speed = fmax(t.w, t.target)
     given += [
         -speed >= 0, speed >= t.v_3, -t.x_2 >= 0,
         mutation(1, 1.01) * t.free >= stop.retreat(t.x_1, t.w, t.target), t.x_1 >= 0,
@@ -335,8 +334,8 @@ def falling(mutation: Mutation) -> Statement:
     own = {key: t[key] for key in names.split()[:8]}
     b = Bounds(u1=t.V_1, period=t.T, **own)
     fall = largest_fall(b, [t.V_0, t.V_0], [t.V_1, t.V_1])
-    braking = ca.fmin(b.brake, b.cap)
-    reached = ca.fmax(t.V_1, t.v - t.T * ca.fmax(braking - b.net, 0) / t.M)
+    braking = fmin(b.brake, b.cap)
+    reached = fmax(t.V_1, t.v - t.T * fmax(braking - b.net, 0) / t.M)
     given = (
         positive(t.M_min, t.T, t.alpha), between(t.M_min, t.M, t.M_max), t.v <= t.V_0,
         between(0, b.net, b.brake), t.f_speed <= t.V_1,

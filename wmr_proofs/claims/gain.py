@@ -14,13 +14,13 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-import casadi as ca
+from casadi import SX, if_else, sqrt
 
 from wmr_ctrl.control.barrier.stable import Axis, SmoothAxis, smooth_barrier
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.methods.spec import Z3, Point, Ring, Table
+from wmr_proofs.methods.spec import Point, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
 from wmr_proofs.statement import Cuts, Relations, Statement, positive, symbols
 
@@ -39,13 +39,13 @@ def reach(delta: Any, B: Any) -> Any:
     return 8 * delta + B
 
 
-def level(c: ca.SX, u1: ca.SX, u2: ca.SX, k: ca.SX) -> ca.SX:
+def level(c: SX, u1: SX, u2: SX, k: SX) -> SX:
     """v* for k = rho M/D."""
     delta, B = u1 - u2, u1 + abs(c)
     return u1 - delta / (3 + 2 * delta * B + k * reach(delta, B)) ** 2
 
 
-def smaller_slope(a: BarrierAxis) -> ca.SX:
+def smaller_slope(a: BarrierAxis) -> SX:
     """A - 1/delta: the slope of the smooth barrier for v > v_u2, below that of the paper's."""
     return a.A - 1 / (a.all[2] - a.all[3])
 
@@ -101,7 +101,7 @@ def _point(n: Numbers, **values: float | str) -> Point:
 
 
 AHEAD = regions.smooth_cases(sides=("out+",))
-claim = Claims(by=Z3(), given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
+claim = Claims(given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
 
 
 @claim(
@@ -182,7 +182,7 @@ def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:
     There the logarithm itself is evaluated, not its series.
     """
     a, v, c, u1, u2 = barrier_axis()
-    s = ca.if_else(c >= 0, 1, -1)
+    s = if_else(c >= 0, 1, -1)
     return a.states(form(s * c, s * v, u1, u2).y > mutation(0.5, 1))
 
 
@@ -196,9 +196,9 @@ def covered(mutation: Mutation) -> Statement:
     """
     # The numbers e and i that give a point of [v*, v_u1) back.
     a, v, c, u1, u2 = barrier_axis()
-    k = ca.SX.sym("k")
+    k = SX.sym("k")
     b, B = u1 - u2, u1 + abs(c)
-    root = ca.sqrt(b / (u1 - v))
+    root = sqrt(b / (u1 - v))
     e = root - 3 - mutation(2, 5) * b * B
     goals = e > 0, e >= reach(b, B) * k, u1 - b / root**2 == v
     given = u2 > 0, u1 > u2, u1 > v, k > 0, v >= level(c, u1, u2, k)

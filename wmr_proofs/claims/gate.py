@@ -5,7 +5,7 @@ Times and ramps are the defaults of `GateSettings`; any numbers come in.
 
 from collections.abc import Mapping
 
-import casadi as ca
+from casadi import SX, fmax, fmin, if_else, substitute, vertcat, vertsplit
 
 from wmr_ctrl.control.filter import gate
 from wmr_ctrl.control.filter.channels import AXES, WAYS, usable_time
@@ -14,7 +14,6 @@ from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Cuts, Relations, Statement, Symbols, exchanged, within
 
 from .common import elements_of, named_ports, ports_of
@@ -27,7 +26,7 @@ STATED = {
 
 
 SETTINGS = gate.GateSettings()
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 class GateStep:
@@ -43,17 +42,17 @@ class GateStep:
         ports = ports_of(self.system)
         self.ports = {item.signal: item.sym for item in ports}
         self.symbols, self.sent = elements_of(*ports), self.system.outputs[0].expr
-        T, elapsed = ca.SX(scenario.clock.control), self[gate.ELAPSED]
+        T, elapsed = SX(scenario.clock.control), self[gate.ELAPSED]
         self.gone = usable_time(elapsed, T)
-        self.timed = self.gone == ca.if_else(elapsed == 0, T, ca.fmax(ca.fmin(elapsed, T), 0))
+        self.timed = self.gone == if_else(elapsed == 0, T, fmax(fmin(elapsed, T), 0))
         clip = Clip(scenario)
         each = (channel.bounds for channel in clip.channels)
-        bounds = ca.vertcat(*(x for b in each for x in (b.V, b.dbar, b.K_min, b.K_max)))
+        bounds = vertcat(*(x for b in each for x in (b.V, b.dbar, b.K_min, b.K_max)))
         own = named_ports(*clip.p.ports), named_ports(*self.system.params)
-        *numbers, hi1, hi2 = ca.vertsplit(exchanged(ca.vertcat(bounds, *clip.limits), *own))
+        *numbers, hi1, hi2 = vertsplit(exchanged(vertcat(bounds, *clip.limits), *own))
         self.limits, self.bounds = (hi1, hi2), [numbers[:4], numbers[4:]]
 
-    def __getitem__(self, signal: Signal) -> ca.SX:
+    def __getitem__(self, signal: Signal) -> SX:
         """The symbol of a port."""
         return self.ports[signal]
 
@@ -65,7 +64,7 @@ class GateStep:
             given += [dbar < V, dbar >= 0, low > 0, high >= low]
         return tuple(given)
 
-    def below(self, tops: list[ca.SX]) -> Relations:
+    def below(self, tops: list[SX]) -> Relations:
         """|sent_i| <= top_i for both axes."""
         return tuple(tops[i] >= way * self.sent[i] for i in AXES for way in WAYS)
 
@@ -73,7 +72,7 @@ class GateStep:
         """|sent_i| <= max(|last_i| - fall_i t, 0) for both axes."""
         last = self[gate.LAST]
         step = [mutation(1, 1.1) * SETTINGS.fall[i] * self.gone for i in AXES]
-        tops = [ca.fmax(abs(last[i]) - step[i], 0) for i in AXES]
+        tops = [fmax(abs(last[i]) - step[i], 0) for i in AXES]
         return self.timed, self.below(tops)
 
 
@@ -112,7 +111,7 @@ def stale(mutation: Mutation) -> Statement:
     Given: {SOUND}; {GONE}; age of the command > timeout.
     """
     g = GateStep()
-    old = g[gate.COMMAND_AGE] > ca.SX(SETTINGS.command_timeout)
+    old = g[gate.COMMAND_AGE] > SX(SETTINGS.command_timeout)
     return Statement(g.symbols, g.falling(mutation), (g.sound, old))
 
 
@@ -166,13 +165,13 @@ def inside_shapes(
         (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
         ports = ports_of(system)
         table |= named_for(elements_of(*ports), scale)
-        sent = ca.SX.sym("sent", 2)
+        sent = SX.sym("sent", 2)
         speeds = [channel.of(sent) for channel in clip.channels]
         own = named_ports(*clip.p.ports), named_ports(*system.params)
-        numbers = exchanged(ca.vertcat(*clip.limits, *speeds), *own)
-        numbers = ca.substitute(numbers, sent, system.outputs[0].expr)
-        limits, found = ca.vertsplit(numbers, [0, len(speeds), 2 * len(speeds)])
-        for i, limit in enumerate(ca.vertsplit(limits)):
+        numbers = exchanged(vertcat(*clip.limits, *speeds), *own)
+        numbers = substitute(numbers, sent, system.outputs[0].expr)
+        limits, found = vertsplit(numbers, [0, len(speeds), 2 * len(speeds)])
+        for i, limit in enumerate(vertsplit(limits)):
             cuts[f"limit {i} {scale}"] = limit
             given.append(limit > 0)
             goals += within(found[i], mutation(1, 0.99) * limit)
@@ -192,7 +191,7 @@ class BehindGovernor:
         self.ports = ports_of(system)
         inner = ports_of(own.system)
         both = named_ports(*inner), named_ports(*self.ports)
-        limits = ca.vertcat(*(ca.vertcat(*side) for side in own.limits))
+        limits = vertcat(*(vertcat(*side) for side in own.limits))
         self.limits, self.sent = exchanged(limits, *both), system.outputs[0].expr
 
 

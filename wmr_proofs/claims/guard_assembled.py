@@ -1,6 +1,6 @@
 """The guard's parts in controller and simulator: axes, flag, monitor, maps onto the wheels."""
 
-import casadi as ca
+from casadi import SX, fmax, fmin, if_else, vertcat
 
 from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, feasible, guarded
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Since
@@ -8,7 +8,6 @@ from wmr_ctrl.control.guard.monitor import LateMotion, least_push
 from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, plant, rk4_step, wheel_to_force
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Named,
     Relations,
@@ -22,7 +21,7 @@ from wmr_proofs.statement import (
 from .common import PRESET, ports_of, scalars
 from .guard_axis import EACH, LATE, NUMBERS, GuardAxis
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim("guard.axes")
@@ -36,12 +35,12 @@ def axes(mutation: Mutation) -> Statement:
     """
     one, two = GuardAxis(), GuardAxis()
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a}
-    both = Bounds(**{name: ca.vertcat(one[name], two[name]) for name in NUMBERS.split()})
-    result = guarded(ca.vertcat(one.asked, two.asked), ca.vertcat(one.y, two.y), both)
+    both = Bounds(**{name: vertcat(one[name], two[name]) for name in NUMBERS.split()})
+    result = guarded(vertcat(one.asked, two.asked), vertcat(one.y, two.y), both)
     goals = list[Relations]()
     for i, a in enumerate((one, two)):
         goals.append(result.force[i] == clipped(mutation * a.asked, a.y, a.bounds))
-        goals.append(result.safe[i] == clipped(ca.SX(0), a.y, a.bounds))
+        goals.append(result.safe[i] == clipped(SX(0), a.y, a.bounds))
     return Statement(table, goals, positive(one.period, two.period))
 
 
@@ -82,14 +81,14 @@ def simulated(mutation: Mutation) -> Statement:
     robot = plant(load_scenario(PRESET))
     t = scalars(ports_of(robot)) | symbols("step", "step")
     m, inertia, mu, r, half, g, v_s = (t[key] for key in KEYS)
-    tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
-    push = wheel_to_force(r, half, tau) + ca.vertcat(t.thrust, t.moment)
+    tau = vertcat(t.tau_right + t.noise_right, t.tau_left + t.noise_left)
+    push = wheel_to_force(r, half, tau) + vertcat(t.thrust, t.moment)
     after = rk4_step(robot, t.step)[3:5]
     friction = mu * m * g
-    driven = t.v1 + t.step * ca.fmax(push[0], 0) / m
+    driven = t.v1 + t.step * fmax(push[0], 0) / m
     slow = t.step * (abs(push[0]) + mutation(2, -1) * friction) / m
     turned = after[1] == t.omega + t.step * push[1] / inertia
-    goals = ca.fmax(driven, slow) >= after[0], turned
+    goals = fmax(driven, slow) >= after[0], turned
     given = positive(m, inertia, r, half, g, v_s, t.step), mu >= 0
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
@@ -108,15 +107,15 @@ def not_blamed(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old push drag e_new e_old way")
-    way = ca.if_else(t.way > 0, 1, -1)
+    way = if_else(t.way > 0, 1, -1)
     mean = (a.asked + way * (t.push - mutation * t.drag)) / a.mass
     new = t.old + b.period * mean
     y, before = new + t.e_new, t.old + t.e_old
     errors = [b.nbar >= side * t[name] for side in (1, -1) for name in ("e_new", "e_old")]
-    ahead = (ca.fmin(way * y, way * before) > b.nbar, t.drag >= 0)
+    ahead = (fmin(way * y, way * before) > b.nbar, t.drag >= 0)
     least = least_push(y, before, a.asked, b)
     given = a.feasible(), a.during(), errors, ahead
-    return Statement(a | t, ca.fmax(t.push, 0) >= least, given)
+    return Statement(a | t, fmax(t.push, 0) >= least, given)
 
 
 @claim("guard.monitor-quiet")
@@ -128,9 +127,9 @@ def quiet(mutation: Mutation) -> Statement:
     Given: any bounds with T, M_min > 0, nbar >= 0.
     """
     a = GuardAxis()
-    b, old = a.bounds, ca.SX.sym("old")
+    b, old = a.bounds, SX.sym("old")
     least = least_push(a.y, old, a.asked, b)
-    same = ca.fmax(ca.fmin(a.y, old), -ca.fmax(a.y, old)) - mutation(0, 1)
+    same = fmax(fmin(a.y, old), -fmax(a.y, old)) - mutation(0, 1)
     given = positive(b.period, b.M_min), b.nbar >= 0, b.nbar >= same
     return Statement(a | {"old": old}, least == 0, given)
 
@@ -148,11 +147,11 @@ def sharp(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old push way")
-    way = ca.if_else(t.way > 0, 1, -1)
+    way = if_else(t.way > 0, 1, -1)
     y = t.old + b.period * (a.asked + way * t.push) / b.M_min
     least = least_push(y, t.old, a.asked, b)
     exact = (b.nbar == 0, b.M_max == b.M_min, positive(b.M_min, b.period))
-    ahead = (ca.fmin(way * y, way * t.old) > 0, t.push >= 0)
+    ahead = (fmin(way * y, way * t.old) > 0, t.push >= 0)
     return Statement(a | t, least == mutation * t.push, (exact, ahead))
 
 
@@ -179,7 +178,7 @@ def late(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b, t = a.bounds, symbols("old D F1 F2 N1 N2")
-    sent = [ca.vertcat(t[f"F{j}"], t[f"N{j}"]) for j in (1, 2)]
+    sent = [vertcat(t[f"F{j}"], t[f"N{j}"]) for j in (1, 2)]
     motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t.old, t.D
     goals, given = list[Relations](), list[Relations]()
     given += positive(b.M_min, b.period), nonnegative(b.nbar, D)
@@ -187,13 +186,13 @@ def late(mutation: Mutation) -> Statement:
         least = motion.least_push(axis, a.y, old, b)
         goals.append(mutation(1, 1.01) * least <= D)
         for way in (1, -1):
-            newer, older = (ca.fmax(way * t[f"{name}{j}"], 0) for j in (1, 2))
-            either = ca.fmax(newer, older)
+            newer, older = (fmax(way * t[f"{name}{j}"], 0) for j in (1, 2))
+            either = fmax(newer, older)
             mean = 0.5 * either + 0.25 * older + 0.75 * D
             rest = 0.5 * newer + 0.75 * either + 1.25 * D
             moved = b.M_min * (way * (a.y - old) - 2 * b.nbar) / b.period
             begun = b.M_min * (way * a.y - b.nbar) / b.period
-            given.append(ca.fmax(mean - moved, rest - begun) >= 0)
+            given.append(fmax(mean - moved, rest - begun) >= 0)
     return Statement(a | t, goals, given)
 
 
@@ -205,18 +204,18 @@ class MappedWheels(Named):
 
     def __init__(self) -> None:
         self.symbols = symbols("lo1 hi1 lo2 hi2 force1 force2 phi half r", "phi half r")
-        self.safe = ca.fmin(ca.fmax(0, self.pair("lo")), self.pair("hi"))
+        self.safe = fmin(fmax(0, self.pair("lo")), self.pair("hi"))
 
-    def pair(self, name: str) -> ca.SX:
+    def pair(self, name: str) -> SX:
         """Both axes of one quantity."""
-        return ca.vertcat(self[f"{name}1"], self[f"{name}2"])
+        return vertcat(self[f"{name}1"], self[f"{name}2"])
 
-    def within(self, force: ca.SX) -> Relations:
+    def within(self, force: SX) -> Relations:
         """``force`` is in the box."""
         lo, hi = self.pair("lo"), self.pair("hi")
         return [between(lo[i], force[i], hi[i]) for i in (0, 1)]
 
-    def reached(self, force: ca.SX) -> Relations:
+    def reached(self, force: SX) -> Relations:
         """``force`` is within the wheels' reach."""
         return self.phi >= abs(force[0]) + abs(force[1]) / self.half
 
@@ -226,12 +225,12 @@ class MappedWheels(Named):
         sides = positive(self.half, self.phi, self.r)
         return sides, self.within(self.pair("force")), self.reached(self.safe)
 
-    def mapped(self, name: str, safe: ca.SX) -> ca.SX:
+    def mapped(self, name: str, safe: SX) -> SX:
         """Output of a map for the force."""
         return MAPS[name](self.pair("force"), self.phi, self.half, safe)
 
 
-map_claim = Claims(by=Z3())
+map_claim = Claims()
 
 
 @map_claim("wheels.reach", (4,))
@@ -245,7 +244,7 @@ def torques(mutation: Mutation) -> Statement:
     w = MappedWheels()
     t = w.symbols
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = ca.fmax(abs(torque[0]), abs(torque[1]))
+    largest = fmax(abs(torque[0]), abs(torque[1]))
     size = abs(t.force1) + mutation * abs(t.force2) / t.half
     return Statement(t, largest == t.r / 2 * size, positive(t.half, t.r))
 
@@ -263,7 +262,7 @@ def necessary(mutation: Mutation) -> Statement:
     w = MappedWheels()
     t = w | symbols("dbar1 dbar2")
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = ca.fmax(abs(torque[0]), abs(torque[1]))
+    largest = fmax(abs(torque[0]), abs(torque[1]))
     tight = t.dbar1 + t.dbar2 / t.half > mutation(1, 0.99) * t.phi
     held = [-t[f"force{i}"] >= t[f"dbar{i}"] for i in (1, 2)]
     signs = nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r)
@@ -279,7 +278,7 @@ def mapped(mutation: Mutation, name: str) -> Statement:
     Given: {BOX}.
     """
     w = MappedWheels()
-    found = w.mapped(name, mutation(w.safe, ca.SX.zeros(2)))
+    found = w.mapped(name, mutation(w.safe, SX.zeros(2)))
     return Statement(w, (w.within(found), w.reached(found)), w.given)
 
 
@@ -295,5 +294,5 @@ def clip_per_wheel(mutation: Mutation) -> Statement:
     t = w.symbols
     most = t.phi * t.r / 2
     torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    found = wheel_to_force(t.r, t.half, ca.fmax(-most, ca.fmin(most, torque)))
+    found = wheel_to_force(t.r, t.half, fmax(-most, fmin(most, torque)))
     return Statement(t, w.within(mutation * found), w.given)

@@ -7,7 +7,7 @@ sums, so that a statement is valid for any number of them; exponentials are symb
 
 from dataclasses import dataclass
 
-import casadi as ca
+from casadi import SX, fmax, vertcat
 
 from wmr_ctrl.control.guard.delay import InFlight, Lagging, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, floor, room
@@ -54,15 +54,15 @@ class GuardAxis(Named):
     def __post_init__(self) -> None:
         self.symbols = symbols(f"{PARAMETERS} {FREE}", PARAMETERS)
         self.net = self.dbar - self.f_min
-        self.late = self.delay if self.lateness else ca.SX(0)
-        self.J = self.jitter if self.varies else ca.SX(0)
+        self.late = self.delay if self.lateness else SX(0)
+        self.J = self.jitter if self.varies else SX(0)
         varies = self.lateness >= LATE and self.varies
         mixed = varies or self.lateness == LAGGING
-        self.both_act = self.mixed if mixed else ca.SX(0)
+        self.both_act = self.mixed if mixed else SX(0)
         late = ["delay"] * (self.lateness >= DELAYED) + ["jitter"] * varies + ["mixed"] * mixed
         self.bounds = Bounds(**{name: self[name] for name in (*NUMBERS.split(), *late)})
 
-    def __call__(self, name: str, way: int) -> ca.SX:
+    def __call__(self, name: str, way: int) -> SX:
         """The symbol of one direction."""
         return self[name + ("ahead" if way > 0 else "back")]
 
@@ -71,7 +71,7 @@ class GuardAxis(Named):
         """Push of the last command if the new one comes as late as possible."""
         if self.lateness == LAGGING:
             return InFlight(self.again_ahead, self.again_back)
-        pair = ca.vertcat(self.sent, self.other)
+        pair = vertcat(self.sent, self.other)
         return in_flight([(pair, self.J / self.period)], 0, self.bounds)
 
     @property
@@ -93,17 +93,17 @@ class GuardAxis(Named):
         return InFlight(self.ahead, self.back, rest, again, felt)
 
     @property
-    def largest(self) -> ca.SX:
+    def largest(self) -> SX:
         """Largest command."""
         return largest_force(self.bounds)
 
     @property
-    def S(self) -> ca.SX:
+    def S(self) -> SX:
         """Largest push of any command."""
         return self.largest + self.net
 
     @property
-    def left(self) -> tuple[ca.SX, ca.SX]:
+    def left(self) -> tuple[SX, SX]:
         """Room to the limit ahead, and behind."""
         b, coming = self.bounds, self.coming
         return room(self.y, b, coming), room(-self.y, b, coming and coming.mirrored)
@@ -119,21 +119,21 @@ class GuardAxis(Named):
         rooms = dict(zip(("room_ahead", "room_back"), self.left, strict=True))
         return self.cuts if self.lateness < LATE else self.cuts | rooms
 
-    def force(self, asked: ca.SX) -> ca.SX:
+    def force(self, asked: SX) -> SX:
         """Force after the guard."""
         return clipped(asked, self.y, self.bounds, self.coming)
 
     @property
-    def hi(self) -> ca.SX:
+    def hi(self) -> SX:
         """Largest safe force."""
         return ceiling(self.y, self.bounds, self.coming)
 
     @property
-    def lo(self) -> ca.SX:
+    def lo(self) -> SX:
         """Smallest safe force."""
         return floor(self.y, self.bounds, self.coming)
 
-    def push(self, way: int) -> ca.SX:
+    def push(self, way: int) -> SX:
         """Largest push while the new command acts."""
         return way * self.force(self.asked) + self.net
 
@@ -160,7 +160,7 @@ class GuardAxis(Named):
     def sound(self, faster: float = 1) -> Relations:
         """Signs, M_min <= M_max, 2 nbar <= u1, alpha T <= 1, order of times; nothing on dbar."""
         b = self.bounds
-        quick = ca.SX(faster) >= b.alpha * b.period
+        quick = SX(faster) >= b.alpha * b.period
         return self._ordered_signs, quick, b.u1 >= 2 * b.nbar, self._times
 
     def feasible(self, pushed: float = 1, faster: float = 1) -> Relations:
@@ -168,7 +168,7 @@ class GuardAxis(Named):
         b = self.bounds
         have = b.M_min * b.alpha * (b.u1 - b.f_speed)
         need = 2 * self.net * (1 + b.alpha * self.late)
-        known = ca.SX(faster) >= b.alpha * b.period, pushed * have >= need
+        known = SX(faster) >= b.alpha * b.period, pushed * have >= need
         brakes = b.u1 >= 2 * b.nbar, b.brake >= self.net
         spread = [] if self.both_act.is_zero() else [self.spread]
         return self._ordered_signs, known, brakes, self._times, spread
@@ -188,7 +188,7 @@ class GuardAxis(Named):
     def shared(self, more: float = 1) -> Relations:
         """The caps' sum: both directions together keep what braking needs."""
         b = self.bounds
-        needed = ca.fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
+        needed = fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
         return b.u1 - b.f_speed >= self.late * self.S / b.M_min + more * needed
 
     def apart(self, more: float = 1) -> Relations:
@@ -201,14 +201,14 @@ class GuardAxis(Named):
         """Hypotheses on numbers and caps."""
         return (self.sound(), self.capped) if self.lateness else self.feasible()
 
-    def enough(self, rooms: tuple[ca.SX, ca.SX], more: float = 1) -> Relations:
+    def enough(self, rooms: tuple[SX, SX], more: float = 1) -> Relations:
         """Room for braking beside the push in flight, ahead or behind or both together."""
         b = self.bounds
-        need = ca.fmax(b.braking + self.net, 0)
+        need = fmax(b.braking + self.net, 0)
         if self.lateness < LATE:
             left = more * (b.u1 - b.f_speed) - self.ahead - self.back
             return b.M_min * b.alpha * left >= need
-        most = ca.fmax(ca.fmax(*rooms), rooms[0] + rooms[1])
+        most = fmax(fmax(*rooms), rooms[0] + rooms[1])
         return more * b.M_min * b.alpha * most >= need
 
     def can_brake(self, more: float = 1) -> Relations:
@@ -244,11 +244,11 @@ class GuardAxis(Named):
         end = longer * (b.period + self.J) - since >= t
         return between(0, since, self.J), t >= 0, end, masses
 
-    def reached(self, way: int) -> ca.SX:
+    def reached(self, way: int) -> SX:
         """v+ when the new command may first take over; ``v`` is measured, or its mean."""
         speed = self.f_speed
-        mean = ca.fmax(way * self.v, speed) + self("", way)
-        return mean if self.lateness < LATE else ca.fmax(mean, speed + self("rest_", way))
+        mean = fmax(way * self.v, speed) + self("", way)
+        return mean if self.lateness < LATE else fmax(mean, speed + self("rest_", way))
 
     def seen(self, way: int, more: Number = 0, during: Relations = ()) -> Relations:
         """Hypotheses on `start`; ``more``: the addition by a broken bound until then."""
@@ -258,17 +258,17 @@ class GuardAxis(Named):
         arrives = (most >= arrived, arrived >= self.f_speed)
         return self.measured, during, self.moving, arrives
 
-    def start(self, way: int, more: Number = 0) -> ca.SX:
+    def start(self, way: int, more: Number = 0) -> SX:
         """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
         if self.lateness < LATE:
             return self.arrived if self.lateness else way * self.v
-        push = ca.fmax(way * self.sent + self.net + more, 0)
+        push = fmax(way * self.sent + self.net + more, 0)
         return self.arrived + self.since * push / self.mass
 
-    def then(self, way: int, more: Number = 0) -> ca.SX:
+    def then(self, way: int, more: Number = 0) -> SX:
         """Comparison bound of v+ t after the new command has taken over."""
-        start, push = self.start(way, more), ca.fmax(self.push(way) + more, 0)
-        start = start if self.lateness else ca.fmax(start, self.f_speed)
+        start, push = self.start(way, more), fmax(self.push(way) + more, 0)
+        start = start if self.lateness else fmax(start, self.f_speed)
         return start + self.t * push / self.mass
 
     def kept(self, way: int, longer: float) -> Relations:
@@ -283,7 +283,7 @@ class GuardAxis(Named):
         known = self.during(longer), arrived >= self.f_speed, lines
         return self.sound(), brakes, known, limits
 
-    def beyond(self, way: int) -> ca.SX:
+    def beyond(self, way: int) -> SX:
         """Excess of v+ where the new command takes over."""
         return self["beyond"] if self.lateness == LAGGING else self.start(way) - self.u1
 
@@ -303,20 +303,20 @@ class GuardAxis(Named):
         """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""
         return (self.hi >= self.lo,) if self.lateness and way < 0 else ()
 
-    def withstands(self, extra: ca.SX) -> Relations:
+    def withstands(self, extra: SX) -> Relations:
         """The brakes withstand a push that is too large by ``extra``."""
         b, spare = self.bounds, self.bounds.braking - self.net
         lightest, heaviest = (1, 1) if self.lateness else (b.M_min, b.M_max)
         return spare * lightest >= heaviest * extra
 
-    def lasts(self, way: int) -> tuple[ca.SX, ca.SX, ca.SX]:
+    def lasts(self, way: int) -> tuple[SX, SX, SX]:
         """For one direction: Z now and later, and M_min times what the last command adds."""
         z = self("z_", way)
         if not self.varies:
-            return z, z, ca.SX(0)
+            return z, z, SX(0)
         return z, self("after_", way), self("again_", way) * self.bounds.M_min
 
-    def lines(self, way: int, left: ca.SX, spare: ca.SX) -> list[Relations]:
+    def lines(self, way: int, left: SX, spare: SX) -> list[Relations]:
         """Each line of the room left; ``spare`` is u1 less what is reached."""
         b, J, rise, late = self.bounds, self.J, self.rise, self.rise_late
         whole = spare >= (1 + b.alpha * J) * left

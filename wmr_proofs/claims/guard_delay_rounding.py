@@ -8,7 +8,7 @@ command after the other; what one of them adds is shown for any sum before it.
 
 from dataclasses import dataclass, replace
 
-import casadi as ca
+from casadi import SX, fmax, vertcat
 
 from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import Bounds, floor
@@ -55,10 +55,10 @@ class Queue(Named):
 
     def sums(self, count: int) -> InFlight:
         """Sums over the first ``count`` commands."""
-        one, none = ca.SX(1), ca.SX(0)
+        one, none = SX(1), SX(0)
         b = Bounds(one, one, one, one, self.dbar, none, one, none, self.f_min, none)
         listed = range(1, count + 1)
-        sent = [(ca.vertcat(self[f"F{j}"], self[f"N{j}"]), self[f"time{j}"]) for j in listed]
+        sent = [(vertcat(self[f"F{j}"], self[f"N{j}"]), self[f"time{j}"]) for j in listed]
         return in_flight(sent, self.axis, b)
 
     def known(self, *names: str) -> Relations:
@@ -68,7 +68,7 @@ class Queue(Named):
         return time >= 0, grown, nonnegative(*(self[name] for name in names))
 
 
-claim = Claims(by=Z3(), premises="assumption.libm")
+claim = Claims(premises="assumption.libm")
 
 
 @claim("guard.delay.rounding.read")
@@ -81,7 +81,7 @@ def read(mutation: Mutation) -> Statement:
     Given: any torques, r, l > 0{ROUNDS}.
     """
     t = symbols("right left thrust moment r half", "r half")
-    exact = wheel_to_force(t.r, t.half, ca.vertcat(t.right, t.left))
+    exact = wheel_to_force(t.r, t.half, vertcat(t.right, t.left))
     goals = []
     for place, name in enumerate(("thrust", "moment")):
         lost = mutation(5, 1) * UNIT * abs(exact[place])
@@ -107,7 +107,7 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     whole = q.sums(SENT)
     computed = {"ahead": whole.ahead if way > 0 else whole.back}
     force, time = q.last
-    exact = q.exact + time * ca.fmax(way * force + q.lost + q.net, 0)
+    exact = q.exact + time * fmax(way * force + q.lost + q.net, 0)
     off = q.off + time * (q.lost + 2 * UNIT * abs(q.net))
     grown = 1 + q.grown + mutation(3, -9) * UNIT
     before = (1 + q.grown) * q[name] + q.off >= q.exact
@@ -150,10 +150,10 @@ def scaled(mutation: Mutation) -> Statement:
     Given: sums >= 0, T, M_min > 0{ROUNDS}.
     """
     t = symbols("F N time period M_min dbar f_min front rear ahead back", "period M_min dbar f_min")
-    one, none = ca.SX(1), ca.SX(0)
-    sent = [(ca.vertcat(t.F, t.N), t.time)]
+    one, none = SX(1), SX(0)
+    sent = [(vertcat(t.F, t.N), t.time)]
 
-    def sums(period: ca.SX, mass: ca.SX) -> InFlight:
+    def sums(period: SX, mass: SX) -> InFlight:
         numbers = (t.dbar, none, one, none, t.f_min, none)
         return in_flight(sent, 0, Bounds(one, period, mass, one, *numbers))
 
@@ -231,7 +231,7 @@ class QueuedAxis(RoundedAxis):
     def met(self) -> Relations:
         """The conditions of the caps."""
         room = self.held_back * self.reach
-        need = (1 + self.waits) * (2 * ca.fmax(self.net, 0) + 8 * room)
+        need = (1 + self.waits) * (2 * fmax(self.net, 0) + 8 * room)
         have = self.slope * (self.u1 - self.f_speed)
         brakes = self.brake >= abs(self.net) + 5 * room
         return have >= need, brakes, self.waits >= 2.0**-6, self.counts
@@ -245,20 +245,20 @@ class QueuedAxis(RoundedAxis):
 
     def arrives(self, way: int) -> Relations:
         """arrived <= max(way v, f_speed) + the computed push under way, and <= u1."""
-        fastest = ca.fmax(way * self.v, self.f_speed)
+        fastest = fmax(way * self.v, self.f_speed)
         most = fastest + self("", way) * (1 + self.held_back / 64) + self.u1 * self.held_back / 8
         return most >= self.arrived, self.u1 >= self.arrived
 
-    def leaves(self, brakes: ca.SX) -> Relations:
+    def leaves(self, brakes: SX) -> Relations:
         """Braking room beside both sums."""
         u1 = self.u1 * (1 - self.held_back * (1 - FAR))
         left = self.slope * (u1 - self.f_speed - self.ahead - self.back)
-        return left >= ca.fmax(brakes + self.net, 0)
+        return left >= fmax(brakes + self.net, 0)
 
 
-def _sum(a: QueuedAxis) -> tuple[ca.SX, ca.SX]:
+def _sum(a: QueuedAxis) -> tuple[SX, SX]:
     """Sum of braking and the largest command, and the rounding in it."""
-    both = a.waits * (a["largest"] + a.net) + ca.fmax(a.brakes + a.net, 0)
+    both = a.waits * (a["largest"] + a.net) + fmax(a.brakes + a.net, 0)
     return both, (8 + 4 * a.waits) * UNIT * a.reach
 
 
@@ -352,8 +352,8 @@ def size(mutation: Mutation) -> Statement:
     Given: {RANGE}; {ROUNDED_CAPS}; brakes <= (K + max(-net, 0)) (1 + 2^-50){ROUNDS}.
     """
     a = QueuedAxis()
-    reach = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
-    caps = ca.fmax(a["largest"], a.brakes)
+    reach = (a.reach + fmax(-a.net, 0)) * (1 + mutation(DOUBLE.quicker, -0.01))
+    caps = fmax(a["largest"], a.brakes)
     given = a.stated, a.bounded, reach >= a.brakes
     goals = tuple(most >= way * a.hat for most in (reach, caps) for way in (1, -1))
     return Statement(a, goals, given, a.caps, computed=a.text(a.asked))
@@ -374,7 +374,7 @@ def anchor(mutation: Mutation) -> Statement:
     most = mutation(1, 0.99) * a.brakes
     goals = most >= a.hat, most >= -a.hat
     given = a.stated, a.bounded
-    return Statement(a, goals, given, a.caps, computed=a.text(ca.SX(0)))
+    return Statement(a, goals, given, a.caps, computed=a.text(SX(0)))
 
 
 @claim(
@@ -429,8 +429,8 @@ def together(mutation: Mutation) -> Statement:
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
     a = QueuedAxis()
     lost = mutation(1, 2) * a.on_wheels
-    end = a.arrived + a.t * ca.fmax(a.hat + a.net, 0) / a.mass
+    end = a.arrived + a.t * fmax(a.hat + a.net, 0) / a.mass
     begins = a.u1 >= a.arrived, a.arrived >= a.f_speed
-    lies = ca.fmax(a.asked, a.most) + lost >= a.hat, a.safe(1, a.asked), a.safe(1, a.most)
+    lies = fmax(a.asked, a.most) + lost >= a.hat, a.safe(1, a.asked), a.safe(1, a.most)
     given = a.stated, a.during(), begins, lies
     return Statement(a, a.u1 >= end, given)

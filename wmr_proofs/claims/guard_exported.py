@@ -3,14 +3,13 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-import casadi as ca
+from casadi import SX, exp, fmax, logic_and, substitute, vertcat
 
 from wmr_ctrl.control.controller import asking_controller, guard
 from wmr_ctrl.control.guard.delay import largest_force
 from wmr_ctrl.control.guard.guard import MAPS, ceiling, clipped, feasible
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import CLAIMED, Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Relations,
     Statement,
@@ -31,7 +30,7 @@ from .guard_sample import feasible as not_empty
 from .guard_sample import inside as stays_inside
 from .guard_sent import added, caps, room
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 _DELAYS = {
@@ -64,11 +63,11 @@ def assembled(mutation: Mutation, kind: str, delay: int) -> Statement:
     return exported(mutation, kind, Assembled(guard, setup(kind, delay)))
 
 
-def begun(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
+def begun(a: GuardAxis) -> tuple[SX, SX]:
     """Speed when the new command takes over, or f_speed if that is larger, ahead and back."""
     if a.lateness:
         return a.arrived_ahead, a.arrived_back
-    return ca.fmax(a.v, a.f_speed), ca.fmax(-a.v, a.f_speed)
+    return fmax(a.v, a.f_speed), fmax(-a.v, a.f_speed)
 
 
 def physical(a: GuardAxis) -> Relations:
@@ -83,10 +82,10 @@ def physical(a: GuardAxis) -> Relations:
     return known, a.moving, limits, added(a)
 
 
-def stays(a: GuardAxis, force: ca.SX) -> Iterator[Relations]:
+def stays(a: GuardAxis, force: SX) -> Iterator[Relations]:
     """Goal: the speed stays inside with this force, forwards and backwards."""
     for way, start in zip((1, -1), begun(a), strict=True):
-        yield a.u1 >= start + a.t * ca.fmax(way * force + a.net, 0) / a.mass
+        yield a.u1 >= start + a.t * fmax(way * force + a.net, 0) / a.mass
 
 
 @claim(
@@ -121,8 +120,8 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
         taken.append(
             instance(stays_inside(CLAIMED, way, a), {"arrived": a[start], "asked": a.chosen})
         )
-    safe, chosen = a.force(ca.SX(0)), a.chosen
-    within = ca.logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
+    safe, chosen = a.force(SX(0)), a.chosen
+    within = logic_and(chosen >= a.lo, chosen <= mutation(a.hi, 1.01 * a.hi))
     braked = a.bounds.braking >= safe, a.bounds.braking >= -safe
     goals = a.hi >= a.lo, braked, when(within, [*stays(a, chosen)])
     ahead, back = a.left
@@ -210,7 +209,7 @@ def carried(mutation: Mutation, kind: str) -> Statement:
         sums = b.delay * (most + b.dbar - b.f_min) / b.M_min
         goals.append(sums >= coming.ahead + coming.back)
         goals += within(force[axis], mutation(1, 0.99) * most)
-        wish = {"wish": e.asked[axis], "safe": ca.SX(0)}
+        wish = {"wish": e.asked[axis], "safe": SX(0)}
         cuts |= {f"{key} {name}": clipped(part, y, b, coming) for key, part in wish.items()}
     return Statement(e | free, goals, given, cuts)
 
@@ -315,14 +314,14 @@ def controller(
     put = [whole.asked if name == "force" else whole.p[name] for name in alone.p]
     told = "feasible", "d_least"
     theirs, ours = (
-        ca.vertcat(
+        vertcat(
             *(e.later[name] for name in alone.later), *(e.told[name] for name in told), e.torque
         )
         for e in (whole, alone)
     )
-    ours = ca.substitute(ours, ca.vertcat(*alone.p.values()), ca.vertcat(*put))
+    ours = substitute(ours, vertcat(*alone.p.values()), vertcat(*put))
     free = symbols("e") if stated else Symbols()
-    share = {name: ca.exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
+    share = {name: exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
     below = (item for e in free.values() for item in (e > 0, e < 1))
     given, cuts = (whole.signs, *below), {**whole.cuts, **share}
     return Statement(whole | free, every(mutation * theirs, ours), given, cuts)

@@ -13,7 +13,6 @@ from wmr_ctrl.world.lag import ACTING, LAG
 from wmr_ctrl.world.model.dynamics import force_to_wheel
 from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Cuts,
     Relations,
@@ -35,7 +34,7 @@ from .guard_rounding import DOUBLE
 NEAR = 2.0**-50
 
 DELAYS = {"at-once": {"n": 0}, "delay": {"n": 2}}
-claim = Claims(by=Z3(), given="{FLAG_SIGNS}")
+claim = Claims(given="{FLAG_SIGNS}")
 
 
 class Flag(Assembled):
@@ -140,7 +139,7 @@ def reach(mutation: Mutation, n: int) -> Statement:
     return e.computes(computed, free, goal, given)
 
 
-watched_claim = Claims(by=Z3())
+watched_claim = Claims()
 
 
 @watched_claim(

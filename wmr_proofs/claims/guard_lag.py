@@ -6,11 +6,10 @@ the acting push stays below Z is argued by hand (guard.varying.lag).
 
 from dataclasses import replace
 
-import casadi as ca
+from casadi import SX, fmax, fmin, if_else
 
 from wmr_ctrl.control.guard.delay import integral, moved, push, waiting
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement, between, nonnegative, positive, symbols
 
 from .guard_axis import LAGGING, GuardAxis
@@ -18,7 +17,7 @@ from .guard_sample import left, on
 from .guard_sent import larger, spares
 
 LAGS = on("varying.")
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 def exponentials(a: GuardAxis) -> Relations:
@@ -32,7 +31,7 @@ def exponentials(a: GuardAxis) -> Relations:
     )  # fmt: skip
 
 
-def _core(a: GuardAxis, way: int, room: ca.SX, most: ca.SX) -> ca.SX:
+def _core(a: GuardAxis, way: int, room: SX, most: SX) -> SX:
     """M_min room less all that the last and the new command, of at most ``most``, may do."""
     spare = a.M_min * room + a.slow * a.lasts(way)[0]
     return spare - (a.slow + a.J) * most
@@ -51,7 +50,7 @@ def varying_moved(mutation: Mutation) -> Statement:
     z, p, more_z, more_p, falls, rises, e = t.values()
     first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
     rises_with = mutation(1, 0.99) * second >= first
-    lies = between(p + e * (z - p), first, ca.fmax(z, p)), first >= ca.fmin(z, p)
+    lies = between(p + e * (z - p), first, fmax(z, p)), first >= fmin(z, p)
     sizes = nonnegative(z, p), more_z >= z, more_p >= p
     given = sizes, between(0, rises, e), between(e, falls, 1)
     return Statement(t, (rises_with, lies), given)
@@ -132,7 +131,7 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
         for sums, time in ((a[name], a.usual), (a[f"rest_{name}"], a.late)):
             given.append((time - a.J - lag) * S + lag * a.lasts(way)[0] >= b.M_min * sums)
     cores = [_core(a, way, left, S) for way, left in zip((1, -1), spares(a), strict=True)]
-    need = mutation(1, 1.01) * ca.fmax(b.braking + a.net, 0) / b.alpha
+    need = mutation(1, 1.01) * fmax(b.braking + a.net, 0) / b.alpha
     rules = (a.stated, a.shared(), a.apart(), given)
     return Statement(a, larger(*cores) >= need, rules, a.cuts)
 
@@ -152,7 +151,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     b, room, most = a.bounds, a.room, a.most
     z, after, again = a.lasts(1)
     lag, J = a.slow, a.J
-    least = mutation(1, 1.01) * ca.fmin(_core(a, 1, room, most), most / b.alpha)
+    least = mutation(1, 1.01) * fmin(_core(a, 1, room, most), most / b.alpha)
     goal = b.M_min * a.sums.left(room, b) >= least
     given = (
         between(0, z, most), between(0, after, most), nonnegative(again),
@@ -177,9 +176,9 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     """
     b, t = a.bounds, symbols("room_ahead room_back core_ahead core_back brakes")
     rooms, cores = (t.room_ahead, t.room_back), (t.core_ahead, t.core_back)
-    need = ca.fmax(t.brakes + a.net, 0) / b.alpha
+    need = fmax(t.brakes + a.net, 0) / b.alpha
     pairs = zip(rooms, cores, strict=True)
-    lines = [b.M_min * room >= ca.fmin(core, a.most / b.alpha) for room, core in pairs]
+    lines = [b.M_min * room >= fmin(core, a.most / b.alpha) for room, core in pairs]
     needed = larger(*cores) >= need, a.most >= need * b.alpha
     given = lines, needed, positive(b.M_min, b.alpha)
     goal = b.M_min * larger(*rooms) >= mutation(1, 1.01) * need
@@ -221,10 +220,10 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     # A command of larger p than the last is worst early, another one late; both to their end.
     b, spare = a.bounds, a.u1 - a.arrived
     z, after, again = a.lasts(way)
-    p, period = ca.fmax(a.push(way), 0), mutation(1, 1.01) * b.period
+    p, period = fmax(a.push(way), 0), mutation(1, 1.01) * b.period
     early = waiting(z, p, period + a.J, a.rise_late) / a.mass
     late = (waiting(after, p, period, a.rise) + again) / a.mass
-    goals = [b.u1 >= a.arrived + ca.if_else(p > 0, more, spare) for more in (early, late)]
+    goals = [b.u1 >= a.arrived + if_else(p > 0, more, spare) for more in (early, late)]
     limits = b.braking >= a.net, a.hi >= a.lo, a.lines(way, a("room_", way), spare)
     masses = nonnegative(z, after, again), a.mass >= b.M_min, positive(b.M_min)
     given = a.sound(), exponentials(a), limits, masses
@@ -250,12 +249,12 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     # Pushes, and Z with them, are larger by at most D; worst for F = hi.
     b, D = a.bounds, a.extra
     z, after, again = a.lasts(way)
-    p = ca.fmax((a.hi if way > 0 else -a.lo) + a.net + D, 0)
+    p = fmax((a.hi if way > 0 else -a.lo) + a.net + D, 0)
     early = waiting(z + D, p, b.period + a.J, a.rise_late) - D * a.J
     late = waiting(after + D, p, b.period, a.rise) + again
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     start = a.arrived + D * a.late / b.M_min
-    goals = [limit >= ca.if_else(p > 0, start + more / b.M_min, b.u1) for more in (early, late)]
+    goals = [limit >= if_else(p > 0, start + more / b.M_min, b.u1) for more in (early, late)]
     lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
     known = a.stated, exponentials(a), D >= 0, a.withstands(D)
     given = known, lines, nonnegative(z, after, again)

@@ -9,14 +9,13 @@ from dataclasses import dataclass, replace
 from math import log2
 from typing import Any
 
-import casadi as ca
+from casadi import SX, fmax, vertcat
 
 from wmr_ctrl.codegen.single_precision import MARGIN
 from wmr_ctrl.control.guard.bounds import rounding
 from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, floor
 from wmr_ctrl.world.model.dynamics import force_to_wheel, wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     UNIT,
     Cuts,
@@ -83,7 +82,7 @@ class RoundedAxis(GuardAxis):
         self.reach = self.slope * self.u1
         self.on_wheels = ON_WHEELS * self.widest * self.precision.unit * self.reach
 
-    def text(self, asked: ca.SX, b: Bounds | None = None) -> Cuts:
+    def text(self, asked: SX, b: Bounds | None = None) -> Cuts:
         """Clipped force, as computed."""
         return {"hat": clipped(asked, self.y, b or self.aimed, self.coming)}
 
@@ -106,11 +105,11 @@ class RoundedAxis(GuardAxis):
             b.brake >= self.net + spare / 2, self.reach >= -self.net,
         )  # fmt: skip
 
-    def safe(self, way: int, force: ca.SX) -> Relations:
+    def safe(self, way: int, force: SX) -> Relations:
         """The force leaves what the wheels' rounding and the motion need."""
-        fastest = self.arrived if self.lateness else ca.fmax(way * self.v, self.f_speed)
+        fastest = self.arrived if self.lateness else fmax(way * self.v, self.f_speed)
         left = self.slope * (self.u1 * (1 - self.held_back / 32) - fastest)
-        return ca.fmax(left, 0) >= way * force + self.net + self.on_wheels
+        return fmax(left, 0) >= way * force + self.net + self.on_wheels
 
 
 def _wheels() -> Symbols:
@@ -119,7 +118,7 @@ def _wheels() -> Symbols:
     return symbols(f"{names} thrust moment right left phi half r", "phi half r")
 
 
-def _within(most: ca.SX, value: ca.SX) -> Relations:
+def _within(most: SX, value: SX) -> Relations:
     return most >= value, most >= -value
 
 
@@ -159,7 +158,7 @@ PRECISIONS = (
         "to 2^-24",
     ),
 )
-claim = Claims(by=Z3(), premises="assumption.libm")
+claim = Claims(premises="assumption.libm")
 
 
 @claim(
@@ -198,7 +197,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     """
     # Of what may be asked, and of the safe point.
     a = RoundedAxis(precision=precision)
-    most = (a.reach + ca.fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
+    most = (a.reach + fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
     goals = most >= a.hat, most >= -a.hat
     computed = a.text(a.asked)
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
@@ -215,7 +214,7 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a.most
     goals = most >= a.hat, most >= -a.hat
-    computed = {**a.text(ca.SX(0)), "most": a.aimed.braking}
+    computed = {**a.text(SX(0)), "most": a.aimed.braking}
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
@@ -245,7 +244,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     goals = list[Relations]()
     for i, value, error in (("1", t.thrust, lost), ("2", t.moment, lost * t.half)):
         goals += t[f"hi{i}"] + error >= value, value >= t[f"lo{i}"] - error
-    force, safe = (ca.vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
+    force, safe = (vertcat(t[f"{part}1"], t[f"{part}2"]) for part in ("force", "safe"))
     both = MAPS[kind](force, t.phi, t.half, safe)
     computed = {"thrust": both[0], "moment": both[1]}
     return Statement(t, goals, given, computed=computed, unit=precision.unit)
@@ -264,9 +263,9 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     Given: any force, r, l > 0; r and l are the plant's{rounds}.
     """
     t = _wheels()
-    half, asked = t.half, ca.vertcat(t.force1, t.force2)
+    half, asked = t.half, vertcat(t.force1, t.force2)
     torque = force_to_wheel(t.r, half, asked)
-    reached = wheel_to_force(t.r, half, ca.vertcat(t.right, t.left))
+    reached = wheel_to_force(t.r, half, vertcat(t.right, t.left))
     lost = mutation(5, 2) * precision.unit * (abs(asked[0]) + abs(asked[1]) / half)
     goals = _within(lost, reached[0] - asked[0]), _within(lost * half, reached[1] - asked[1])
     computed = {"right": torque[0], "left": torque[1]}
@@ -293,10 +292,10 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     b, lost = a.bounds, mutation(1, 2) * a.on_wheels
     goals, given = [], [a.stated, a.inside, a.during()]
     for way in (1, -1):
-        fastest = ca.fmax(way * a.v, b.f_speed)
-        end = fastest + a.t * ca.fmax(way * a.hat + a.net, 0) / a.mass
+        fastest = fmax(way * a.v, b.f_speed)
+        end = fastest + a.t * fmax(way * a.hat + a.net, 0) / a.mass
         goals.append(b.u1 >= end)
         asked, safe = way * a.asked, way * a.most
-        given.append(ca.fmax(asked, safe) + lost >= way * a.hat)
+        given.append(fmax(asked, safe) + lost >= way * a.hat)
         given += [a.safe(way, a[name]) for name in ("asked", "most")]
     return Statement(a, goals, given)

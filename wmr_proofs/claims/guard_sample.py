@@ -8,10 +8,9 @@ and, by hand, what follows for every instant of a run.
 
 from typing import Any
 
-import casadi as ca
+from casadi import SX, fmax, fmin
 
 from wmr_proofs.claim import SHARED, Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import Relations, Statement
 
 from .guard_axis import AT_ONCE, DELAYED, LAGGING, LATE, GuardAxis
@@ -45,7 +44,7 @@ def on(*kinds: str, back: bool = False) -> list[dict[str, Any]]:
     return found
 
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim("guard.{at}feasible", premises="{rests}", over=on(*ALL))
@@ -89,7 +88,7 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     Given: {caps}.
     """
     most = mutation(1, 0.99) * a.bounds.braking
-    return Statement(a, most >= abs(a.force(ca.SX(0))), a.stated, a.rooms)
+    return Statement(a, most >= abs(a.force(SX(0))), a.stated, a.rooms)
 
 
 @claim(
@@ -123,7 +122,7 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     Given: {seen}{over}; {caps}{filled}.
     """
     b = a.bounds
-    needed = ca.fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
+    needed = fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
     goals = -a.push(way) >= 0, -a.push(way) >= needed
     cuts = a.rooms if a.lateness == LAGGING else a.cuts
     return Statement(a, goals, a.outside(way), cuts)
@@ -145,7 +144,7 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     b, mass, start = a.bounds, a.mass, a.start(way)
     step = b.period * (b.braking - a.net) / mass
     end = start + b.period * a.push(way) / mass
-    goal = ca.fmax(a.u1, start - mutation(1, 1.01) * step) >= end
+    goal = fmax(a.u1, start - mutation(1, 1.01) * step) >= end
     return Statement(a, goal, a.outside(way, a.during()), a.cuts)
 
 
@@ -159,7 +158,7 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
     Given: {caps}; {acts}.
     """
     a = GuardAxis()
-    fallen = a.f_speed + a.t * ca.fmax(a.net - way * a.force(a.asked), 0) / a.mass
+    fallen = a.f_speed + a.t * fmax(a.net - way * a.force(a.asked), 0) / a.mass
     limit = mutation(a.u1, 0.99 * a.u1)
     return Statement(a, limit >= fallen, (a.feasible(), a.during()))
 
@@ -201,7 +200,7 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     over, most = a.start(way, D), a.hi if way > 0 else -a.lo
     last = b.period + a.J - a.since
-    end = over + last * ca.fmax(most + a.net + D, 0) / a.mass
+    end = over + last * fmax(most + a.net + D, 0) / a.mass
     free = a.arrived - D * (a.late - a.J) / b.M_min - b.u1
     known = a.sound(), a.capped, a.during(), a.arrived >= b.f_speed
     begins = D >= 0, a.withstands(D), limit >= over

@@ -5,12 +5,11 @@ For any number of them: the share of one is proved for one, the rest for their s
 
 from dataclasses import replace
 
-import casadi as ca
+from casadi import SX, fmax, horzcat, logic_and, vertcat
 
 from wmr_ctrl.control.guard.delay import InFlight, Tails, in_flight
 from wmr_ctrl.control.guard.lateness import AT_ONCE, Tail
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Relations,
     Statement,
@@ -26,19 +25,19 @@ from wmr_proofs.statement import (
 from .guard_axis import DELAYED, LATE, GuardAxis
 from .guard_sample import on
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 def only(a: GuardAxis, place: int = 0) -> InFlight:
     """Push in flight of a single command ``sent``; ``place``: its axis of the two."""
     pair = [a.other, a.other]
     pair[place] = a.sent
-    return in_flight([(ca.vertcat(*pair), a.periods)], place, a.bounds)
+    return in_flight([(vertcat(*pair), a.periods)], place, a.bounds)
 
 
-def larger(one: ca.SX, other: ca.SX) -> ca.SX:
+def larger(one: SX, other: SX) -> SX:
     """Either, or both together."""
-    return ca.fmax(ca.fmax(one, other), one + other)
+    return fmax(fmax(one, other), one + other)
 
 
 @claim(
@@ -79,9 +78,9 @@ def command(mutation: Mutation, place: int) -> Statement:
     most = mutation(1, 0.99) * time * a.S / b.M_min
     goals = [most >= one.ahead + one.back]
     for way, coming in ((1, one.ahead), (-1, one.back)):
-        start = ca.fmax(way * a.v, b.f_speed)
-        seen = ca.fmax(way * a.y + b.nbar, b.f_speed)
-        reached = start + a.since * ca.fmax(way * a.sent + a.net, 0) / a.mass
+        start = fmax(way * a.v, b.f_speed)
+        seen = fmax(way * a.y + b.nbar, b.f_speed)
+        reached = start + a.since * fmax(way * a.sent + a.net, 0) / a.mass
         goals.append(seen + coming >= reached)
     sent = (a.largest >= a.sent, a.largest >= -a.sent)
     during = (between(0, a.since, time), a.periods >= 0)
@@ -99,7 +98,7 @@ def queue(mutation: Mutation) -> Statement:
     """
     a = GuardAxis(DELAYED)
     t = column("F", 5) | column("N", 5) | column("time", 5)
-    sent = [(ca.vertcat(t[f"F{j}"], t[f"N{j}"]), t[f"time{j}"]) for j in range(1, 6)]
+    sent = [(vertcat(t[f"F{j}"], t[f"N{j}"]), t[f"time{j}"]) for j in range(1, 6)]
     goals = []
     for axis in (0, 1):
         for n in range(1, 6):
@@ -125,12 +124,12 @@ def late_piece(mutation: Mutation) -> Statement:
     a = GuardAxis(DELAYED)
     b, time = a.bounds, a.periods * a.period
     first, second = a.sent, a.asked
-    both = ca.horzcat(ca.vertcat(first, a.other), ca.vertcat(second, a.other))
+    both = horzcat(vertcat(first, a.other), vertcat(second, a.other))
     piece = in_flight([(both, a.periods)], 0, b)
     goals = []
     for force in (first, second):
         for way, counted in ((1, piece.ahead), (-1, piece.back)):
-            reached = a.since * ca.fmax(way * force + a.net, 0) / a.mass
+            reached = a.since * fmax(way * force + a.net, 0) / a.mass
             goals.append(counted >= mutation(1, 1.01) * reached)
     most = time * a.S / b.M_min
     goals += [most >= piece.ahead, most >= piece.back]
@@ -157,22 +156,22 @@ def late_tail(mutation: Mutation) -> Statement:
     tail = Tail(decay=0.5, entering=(0.25, 0.125), share=1.0, steady=0.75)
     late = replace(AT_ONCE, commands=1, jitter=0.5, lag=1.0, tail=tail)
     tails = Tails("tail", (late, late))
-    forces = [ca.vertcat(t[f"force{i}"], t[f"other{i}"]) for i in (1, 2)]
+    forces = [vertcat(t[f"force{i}"], t[f"other{i}"]) for i in (1, 2)]
     state = tails.state[0].sym
     following = tails.following(forces, b)
     table = a | t | {f"tail{i}": state[i] for i in range(4)}
     goals = list[Relations]()
     for axis in (0, 1):
-        counted = tails.added(InFlight(ca.SX(0), ca.SX(0)), axis, b)
-        steady = tail.steady * b.period * ca.fmax(b.net, 0)
+        counted = tails.added(InFlight(SX(0), SX(0)), axis, b)
+        steady = tail.steady * b.period * fmax(b.net, 0)
         old, new = forces[1][axis], forces[0][axis]
         for place, (way, now) in enumerate(((1, counted.ahead), (-1, counted.back))):
             kept, later = (x[2 * axis + place] for x in (state, following))
-            both = ca.fmax(ca.fmax(way * old, way * new) + b.net, 0)
-            joined = 0.25 * ca.fmax(way * old + b.net, 0) + 0.125 * both
+            both = fmax(fmax(way * old, way * new) + b.net, 0)
+            joined = 0.25 * fmax(way * old + b.net, 0) + 0.125 * both
             wanted = 0.5 * now + mutation * b.period * joined / b.M_min
             goals.append((later + steady) / b.M_min == wanted)
-            unmoved = ca.logic_and(ca.logic_and(old == 0, new == 0), kept == 0)
+            unmoved = logic_and(logic_and(old == 0, new == 0), kept == 0)
             goals += [when(unmoved, later == 0), when(kept == 0, now == steady / b.M_min)]
     return Statement(table, goals, positive(b.M_min, b.period))
 
@@ -190,19 +189,19 @@ def added(a: GuardAxis) -> Relations:
     return from_rest, mean, last, longer
 
 
-def spares(a: GuardAxis) -> tuple[ca.SX, ca.SX]:
+def spares(a: GuardAxis) -> tuple[SX, SX]:
     """Room left when the new command may first take over, either way."""
     b, coming = a.bounds, a.sums
-    ahead = b.u1 - coming.reached(ca.fmax(a.y + b.nbar, b.f_speed), b)
-    return ahead, b.u1 - coming.mirrored.reached(ca.fmax(-a.y + b.nbar, b.f_speed), b)
+    ahead = b.u1 - coming.reached(fmax(a.y + b.nbar, b.f_speed), b)
+    return ahead, b.u1 - coming.mirrored.reached(fmax(-a.y + b.nbar, b.f_speed), b)
 
 
-def _spared(a: GuardAxis, ahead: ca.SX, back: ca.SX, more: float = 1) -> Relations:
+def _spared(a: GuardAxis, ahead: SX, back: SX, more: float = 1) -> Relations:
     """Either, or both together, are what braking and the last command need."""
     b = a.bounds
-    braking, again = ca.fmax(b.braking + a.net, 0) / b.alpha, a.J * a.S
-    one, two = (b.M_min * x - braking for x in (ca.fmax(ahead, back), ahead + back))
-    return ca.fmax(one - more * again, two - 2 * more * again) >= 0
+    braking, again = fmax(b.braking + a.net, 0) / b.alpha, a.J * a.S
+    one, two = (b.M_min * x - braking for x in (fmax(ahead, back), ahead + back))
+    return fmax(one - more * again, two - 2 * more * again) >= 0
 
 
 @claim("guard.late.spare", premises="guard.late.caps guard.late.piece")
@@ -280,12 +279,12 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     """
     a = GuardAxis(DELAYED)
     b, t = a.bounds, symbols("V share window")
-    p, window, share = ca.fmax(a.sent + a.net, 0), t.window, t.share
+    p, window, share = fmax(a.sent + a.net, 0), t.window, t.share
     v = share * window * p / b.M_min
     y = share * v / 2 - (1 - share) * t.V
-    pair, periods = ca.vertcat(a.sent, 0), window / b.period
+    pair, periods = vertcat(a.sent, 0), window / b.period
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))
     coming = InFlight(mean.ahead, mean.back, whole if rest else None)
-    reached = coming.reached(ca.fmax(y + b.nbar, b.f_speed), b)
+    reached = coming.reached(fmax(y + b.nbar, b.f_speed), b)
     given = a.sound(), positive(window), between(0, share, 1), between(0, t.V, b.u1)
     return Statement(a | t, reached >= mutation(1, 1.01) * v, given)

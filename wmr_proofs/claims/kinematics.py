@@ -1,6 +1,6 @@
 """Kinematics and dynamics: Eqs. (2)-(8), (33)-(35)."""
 
-import casadi as ca
+from casadi import SX, cos, diag, horzcat, jtimes, reshape, sin, vec, vertcat
 
 from wmr_ctrl.world.model import dynamics, kinematics
 from wmr_ctrl.world.model.dynamics import KEYS, plant
@@ -31,8 +31,8 @@ def no_sideways(mutation: Mutation) -> Statement:
     Given: {ANY_POSE}.
     """
     t = symbols("theta v1 v2")
-    rate = pose_rate(t.theta, ca.vertcat(t.v1, t.v2))
-    return Statement(t, constraint(t.theta).T @ (rate * ca.vertcat(mutation, 1, 1)) == 0)
+    rate = pose_rate(t.theta, vertcat(t.v1, t.v2))
+    return Statement(t, constraint(t.theta).T @ (rate * vertcat(mutation, 1, 1)) == 0)
 
 
 @claim("eq04.null-space", (4, 5))
@@ -44,8 +44,8 @@ def null_space(mutation: Mutation) -> Statement:
     Given: any theta.
     """
     t = symbols("theta")
-    h = velocity_map(t.theta) * ca.vertcat(ca.horzcat(mutation, 1), ca.SX.ones(2, 2))
-    return Statement(t, every(h.T @ constraint(t.theta), ca.SX(2, 1)))
+    h = velocity_map(t.theta) * vertcat(horzcat(mutation, 1), SX.ones(2, 2))
+    return Statement(t, every(h.T @ constraint(t.theta), SX(2, 1)))
 
 
 @claim("eq05", (5,))
@@ -57,8 +57,8 @@ def rate_is_map(mutation: Mutation) -> Statement:
     Given: {ANY_POSE}.
     """
     t = symbols("theta v1 v2")
-    v = ca.vertcat(t.v1, t.v2)
-    mapped = velocity_map(t.theta) @ (v * ca.vertcat(mutation, 1))
+    v = vertcat(t.v1, t.v2)
+    mapped = velocity_map(t.theta) @ (v * vertcat(mutation, 1))
     return Statement(t, every(pose_rate(t.theta, v), mapped))
 
 
@@ -71,8 +71,8 @@ def velocity_back(mutation: Mutation) -> Statement:
     Given: {ANY_POSE}.
     """
     t = symbols("theta v1 v2")
-    v = ca.vertcat(t.v1, t.v2)
-    back = velocity_map(t.theta).T @ (pose_rate(t.theta, v) * ca.vertcat(1, mutation, 1))
+    v = vertcat(t.v1, t.v2)
+    back = velocity_map(t.theta).T @ (pose_rate(t.theta, v) * vertcat(1, mutation, 1))
     return Statement(t, every(back, v))
 
 
@@ -93,7 +93,7 @@ def projection(mutation: Mutation) -> Statement:
     t = symbols("theta m I r l lam v1 v2 vdot1 vdot2 tau1 tau2 F1 F2 F3", "m I r l")
     theta, v, tau = t.theta, stacked(t, "v", 2), stacked(t, "tau", 2)
     h, mass = velocity_map(theta), paper_functions.mass_matrix(t.m, t.I)
-    h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, v[1]), 3, 2)
+    h_dot = reshape(jtimes(vec(h), theta, v[1]), 3, 2)
     inner = mass @ (h @ stacked(t, "vdot", 2) + h_dot @ v) + stacked(t, "F", 3)
     push = paper_functions.input_matrix(theta, t.r, t.l) @ tau + constraint(theta) * t.lam
     reduced = dynamics.reduced_mass(t.m, t.I) * stacked(t, "vdot", 2)
@@ -113,11 +113,11 @@ def eq04_reduced(mutation: Mutation) -> Statement:
     theta, tau = t.theta, stacked(t, "tau", 2)
     mass, push = paper_functions.projected(theta, t.m, t.I, t.r, t.l)
     h = velocity_map(theta)
-    h_dot = ca.reshape(ca.jtimes(ca.vec(h), theta, t.omega), 3, 2)
+    h_dot = reshape(jtimes(vec(h), theta, t.omega), 3, 2)
     coriolis = h.T @ paper_functions.mass_matrix(t.m, t.I) @ h_dot
-    masses = every(mass, ca.diag(dynamics.reduced_mass(mutation * t.m, t.I)))
+    masses = every(mass, diag(dynamics.reduced_mass(mutation * t.m, t.I)))
     forces = every(push @ tau, dynamics.wheel_to_force(t.r, t.l, tau))
-    return Statement(t, (masses, forces, every(coriolis, ca.SX(2, 2))))
+    return Statement(t, (masses, forces, every(coriolis, SX(2, 2))))
 
 
 @claim(
@@ -136,11 +136,11 @@ def eq04_plant(mutation: Mutation) -> Statement:
     system = plant(load_scenario(PRESET))
     t = scalars(ports_of(system))
     m, inertia, mu, r, l, g, v_s = (t[key] for key in KEYS)
-    v = ca.vertcat(t.v1, t.omega)
-    tau = ca.vertcat(t.tau_right + t.noise_right, t.tau_left + mutation * t.noise_left)
+    v = vertcat(t.v1, t.omega)
+    tau = vertcat(t.tau_right + t.noise_right, t.tau_left + mutation * t.noise_left)
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
     left = inertial + friction(mu, m, g, v_s, v)
-    force = dynamics.wheel_to_force(r, l, tau) + ca.vertcat(t.thrust, t.moment)
+    force = dynamics.wheel_to_force(r, l, tau) + vertcat(t.thrust, t.moment)
     moves = every(system.update[0:3], velocity_map(t.theta) @ v)
     return Statement(t, (every(left, force), moves))
 
@@ -154,8 +154,8 @@ def eq04_wheels(mutation: Mutation) -> Statement:
     Given: r, l > 0.
     """
     t = symbols("r l F N", "r l")
-    force = ca.vertcat(t.F, t.N)
-    wheels = dynamics.force_to_wheel(t.r, t.l, force) * ca.vertcat(mutation, 1)
+    force = vertcat(t.F, t.N)
+    wheels = dynamics.force_to_wheel(t.r, t.l, force) * vertcat(mutation, 1)
     return Statement(t, every(dynamics.wheel_to_force(t.r, t.l, wheels), force))
 
 
@@ -170,10 +170,10 @@ def eq33_35(mutation: Mutation) -> Statement:
     t = column("q", 3) | column("d", 3) | column("v", 2) | column("vd", 2)
     pose, pose_d = stacked(t, "q", 3), stacked(t, "d", 3)
     v, v_d = stacked(t, "v", 2), stacked(t, "vd", 2)
-    motion = ca.vertcat(pose_rate(pose[2], v), pose_rate(pose_d[2], v_d))
+    motion = vertcat(pose_rate(pose[2], v), pose_rate(pose_d[2], v_d))
     e = kinematics.tracking_error(pose_d, pose)
-    rate = ca.jtimes(e, ca.vertcat(pose, pose_d), motion)
-    return Statement(t, every(rate, error_rate(e, v * ca.vertcat(1, mutation), v_d)))
+    rate = jtimes(e, vertcat(pose, pose_d), motion)
+    return Statement(t, every(rate, error_rate(e, v * vertcat(1, mutation), v_d)))
 
 
 @claim("eq07.rate", (7,), form=OURS)
@@ -187,8 +187,8 @@ def target_rate(mutation: Mutation) -> Statement:
     t = column("e", 3) | column("v", 2) | column("vd", 2) | column("a", 2) | column("k", 3)
     e, v, v_d = stacked(t, "e", 3), stacked(t, "v", 2), stacked(t, "vd", 2)
     rate = error_rate(e, v, v_d)
-    s, c = ca.sin(e[2]), ca.cos(e[2])
+    s, c = sin(e[2]), cos(e[2])
     first = t.a1 * c - mutation * v_d[0] * s * rate[2] + t.k1 * rate[0]
     second = t.a2 + t.k2 * (t.a1 * e[1] + v_d[0] * rate[1]) + t.k3 * c * rate[2]
     used = kinematics.auxiliary_rate(e, v, v_d, stacked(t, "a", 2), stacked(t, "k", 3))
-    return Statement(t, every(used, ca.vertcat(first, second)))
+    return Statement(t, every(used, vertcat(first, second)))

@@ -1,6 +1,6 @@
 """The barrier function in time: Eqs. (9), (21)-(30), on the functions and on the law's graph."""
 
-import casadi as ca
+from casadi import SX, if_else, jtimes, vertcat
 
 from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import paper_barrier as barrier
@@ -27,32 +27,32 @@ class Moving(BarrierAxis):
         self.rates = symbols(f"vdot{suffix} cdot{suffix}")
         self.symbols |= self.rates
 
-    def along(self, expr: ca.SX) -> ca.SX:
+    def along(self, expr: SX) -> SX:
         """Time derivative of an expression of v and v_c0."""
         v, c, _, _ = self.all
-        return ca.jtimes(expr, ca.vertcat(v, c), ca.vertcat(*self.rates.values()))
+        return jtimes(expr, vertcat(v, c), vertcat(*self.rates.values()))
 
 
-def x_rate(m: Moving) -> ca.SX:
+def x_rate(m: Moving) -> SX:
     """v_c1' of one axis."""
     _, c, u1, u2 = m.all
     return target_rate(c, m.rates.cdot, u1, u2)
 
 
-def at_target(m: Moving) -> ca.SX:
+def at_target(m: Moving) -> SX:
     """[sgn(v_c1) v_c1'/(v_u1 - |v_c1|) where |v_c1| > v_u2], of Eqs. (23), (24)."""
     _, _, u1, u2 = m.all
     term = barrier.sign(m.x) * x_rate(m) / (u1 - abs(m.x))
-    return ca.if_else(barrier.h(m.x, u2), term, 0)
+    return if_else(barrier.h(m.x, u2), term, 0)
 
 
-def two_axes() -> tuple[Moving, Moving, ca.SX]:
+def two_axes() -> tuple[Moving, Moving, SX]:
     """Both axes, and V1' of them together."""
     m, n = Moving("1"), Moving("2")
-    columns = [ca.vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
-    point = ca.vertcat(*m.all[:2], *n.all[:2])
-    rates = ca.vertcat(*m.rates.values(), *n.rates.values())
-    return m, n, ca.jtimes(total_barrier(*columns), point, rates)
+    columns = [vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
+    point = vertcat(*m.all[:2], *n.all[:2])
+    rates = vertcat(*m.rates.values(), *n.rates.values())
+    return m, n, jtimes(total_barrier(*columns), point, rates)
 
 
 OPEN35, PAIRS = Ring(regions.open_cases()), Ring(regions.paired_cases(), spare=12)
@@ -92,7 +92,7 @@ def barrier_rate(mutation: Mutation) -> Statement:
     m = Moving()
     v, _, u1, u2 = m.all
     near = mutation * barrier.sign(v) * m.rates.vdot / (u1 - abs(v))
-    return m.states(m.along(barrier.f(v, u1, u2)) == ca.if_else(barrier.h(v, u2), near, 0))
+    return m.states(m.along(barrier.f(v, u1, u2)) == if_else(barrier.h(v, u2), near, 0))
 
 
 @claim("eq23", (23,), by=TARGETS7)
@@ -229,9 +229,9 @@ def literal_decay(mutation: Mutation) -> Statement:
     """
     m = Moving()
     v, c, _, _ = m.all
-    rho, c_dot = ca.SX.sym("rho"), m.rates.cdot
+    rho, c_dot = SX.sym("rho"), m.rates.cdot
     command = (-rho * m.V + m.w * c_dot) / m.A
-    rate = ca.jtimes(m.V, ca.vertcat(v, c), ca.vertcat(command, c_dot))
+    rate = jtimes(m.V, vertcat(v, c), vertcat(command, c_dot))
     return Statement(m | {"rho": rho}, rate == -mutation * rho * m.V)
 
 
@@ -253,7 +253,7 @@ def decay(mutation: Mutation, axis: int) -> Statement:
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
     v_dot = acceleration(mass, law.force, friction)[axis]
     value = barrier.lyapunov(v, free.c, u1, u2)
-    rate = ca.jtimes(value, ca.vertcat(v, free.c), ca.vertcat(v_dot, free.cdot))
+    rate = jtimes(value, vertcat(v, free.c), vertcat(v_dot, free.cdot))
     return Statement(t | free, rate == -mutation * rho * value, (), law.inner(axis))
 
 

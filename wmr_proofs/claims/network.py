@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-import casadi as ca
+from casadi import SX, dot, jtimes, substitute, vertcat
 
 from wmr_ctrl.control.laws import nn
 from wmr_ctrl.control.laws.context import LawContext
@@ -38,27 +38,27 @@ class NetworkAxis(Named):
         self.free = f = names | column("S", NODES) | column("best", NODES)
         self.symbols = t | f
         self.basis, self.best = (stacked(f, name, NODES) for name in ("S", "best"))
-        self.weights = ca.vertcat(*(t[f"W_hat{axis + 1}[{j + 1}]"] for j in range(NODES)))
+        self.weights = vertcat(*(t[f"W_hat{axis + 1}[{j + 1}]"] for j in range(NODES)))
         self.error = self.weights - self.best
         self.inner = self._inner(law.context)
         rows = slice(axis * NODES, (axis + 1) * NODES)
         self.weight_rate = (law.system.update[rows] - self.weights) / t["clock.control"]
         target = analysis.network_target(f.mass, f.cdot, f.A / f.w, f.friction)
-        self.residual = ca.dot(self.best, self.basis) - target
+        self.residual = dot(self.best, self.basis) - target
         v_dot = acceleration(f.mass, law.force[axis], f.friction)  # of the true robot, Eq. (4)
         self.barrier_rate = f.A * v_dot - f.w * f.cdot
-        value, weights = ca.SX.sym("V1i"), ca.SX.sym("W", NODES)
+        value, weights = SX.sym("V1i"), SX.sym("W", NODES)
         total = analysis.network_lyapunov(value, f.mass, self.gain("Gamma"), weights)
-        state = ca.vertcat(value, weights)
-        rate = ca.jtimes(total, state, ca.vertcat(self.barrier_rate, self.weight_rate))
-        self.rate = ca.substitute(rate, state, ca.vertcat(f.V, self.error))
+        state = vertcat(value, weights)
+        rate = jtimes(total, state, vertcat(self.barrier_rate, self.weight_rate))
+        self.rate = substitute(rate, state, vertcat(f.V, self.error))
 
-    def _inner(self, context: LawContext) -> dict[str, ca.SX]:
+    def _inner(self, context: LawContext) -> dict[str, SX]:
         basis = nn.corner_basis(nn.regressor(context), context.gain("eta"), context.gain("node"))
         found = {f"S{j + 1}": self.law.own(basis[j]) for j in range(NODES)}
         return self.law.parts(self.axis, "quotient q w") | found
 
-    def gain(self, name: str) -> ca.SX:
+    def gain(self, name: str) -> SX:
         """A gain of this axis."""
         return self.law[f"gains.nn.{name}[{self.axis + 1}]"]
 
@@ -107,9 +107,9 @@ def decay_chart(n: Mapping[str, Any]) -> dict[str, Any]:
 NODES, DIMENSIONS = nn.NODES, 6
 
 
-def weights_part(n: NetworkAxis, rate: ca.SX) -> ca.SX:
+def weights_part(n: NetworkAxis, rate: SX) -> SX:
     """M1^-1 Gamma^-1 W~' times a rate."""
-    return ca.dot(n.error, rate) / (n.free.mass * n.gain("Gamma"))
+    return dot(n.error, rate) / (n.free.mass * n.gain("Gamma"))
 
 
 TIMED = {"clock.control": POSITIVE}
@@ -141,7 +141,7 @@ def law(mutation: Mutation) -> Statement:
     Given: any weights and basis.
     """
     n = network_axis(0)
-    written = -n.gain("rho1") * n.free.quotient + mutation * n.free.q * ca.dot(n.weights, n.basis)
+    written = -n.gain("rho1") * n.free.quotient + mutation * n.free.q * dot(n.weights, n.basis)
     return n.statement(n.law.force[0] == written)
 
 
@@ -176,7 +176,7 @@ def basis_product(mutation: Mutation) -> Statement:
     t = column("z", DIMENSIONS) | symbols("eta")
     z = stacked(t, "z", DIMENSIONS)
     plain = analysis.gaussian_basis(z, t.eta, analysis.corner_centres(DIMENSIONS, mutation))
-    return Statement(t, every(nn.corner_basis(z, t.eta, ca.SX(1)), plain))
+    return Statement(t, every(nn.corner_basis(z, t.eta, SX(1)), plain))
 
 
 @claim(
@@ -253,7 +253,7 @@ def with_law(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    learnt = f.w / f.mass * ca.dot(n.best + n.error, n.basis)
+    learnt = f.w / f.mass * dot(n.best + n.error, n.basis)
     lost = f.A / f.mass * f.friction + mutation * f.w * f.cdot
     fed = -n.gain("rho1") / f.mass * f.V
     return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + learnt - lost)
@@ -269,7 +269,7 @@ def with_target(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f = n.free
-    rest = f.w / f.mass * (ca.dot(n.error, n.basis) + mutation * n.residual)
+    rest = f.w / f.mass * (dot(n.error, n.basis) + mutation * n.residual)
     fed = -n.gain("rho1") / f.mass * f.V
     return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + rest)
 
@@ -284,7 +284,7 @@ def with_adaptation(mutation: Mutation) -> Statement:
     """
     n = network_axis(0)
     f, mass = n.free, n.free.mass
-    leak = n.gain("sigma") / mass * ca.dot(n.error, n.weights)
+    leak = n.gain("sigma") / mass * dot(n.error, n.weights)
     written = -n.gain("rho1") / mass * f.V - mutation * leak + f.w / mass * n.residual
     return n.statement(n.rate == written)
 
@@ -312,9 +312,9 @@ def eq72(mutation: Mutation, combined: bool) -> Statement:
     n = network_axis(0)
     f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
     base = -n.gain("rho1") / mass * f.V + 0.5 / mass * (f.w**2 + n.residual**2)
-    leak = -sigma / mass * ca.dot(n.error, n.error + n.best)
+    leak = -sigma / mass * dot(n.error, n.error + n.best)
     if combined:
-        leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
+        leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
     bound = base + mutation(1, 9) * leak - (mutation < 0) * n.residual**2
     return n.statement(bound >= n.rate)
 
@@ -335,7 +335,7 @@ def printed_step(mutation: Mutation) -> Statement:
     n = network_axis(0)
     f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
     bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f.V + 0.5 / mass * n.residual**2
-    leak = 0.5 * sigma / mass * (ca.dot(n.best, n.best) - ca.dot(n.error, n.error))
+    leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
     return n.statement(bound + leak >= n.rate)
 
 

@@ -6,7 +6,7 @@ free numbers with the properties that other entries prove; a statement without a
 a LEMMA.
 """
 
-import casadi as ca
+from casadi import SX, fmin, if_else
 
 from wmr_ctrl.control.barrier.proximal import LARGEST, resolvent, root, transported
 from wmr_ctrl.control.laws.prox import mixture, prox_step
@@ -34,13 +34,13 @@ def _target(t: Symbols) -> Relations:
     return _limits(t), t.k > 0, t.c < 1e100, t.c > -1e100
 
 
-def _slope(size: ca.SX, t: Symbols, smooth: bool) -> ca.SX:
+def _slope(size: SX, t: Symbols, smooth: bool) -> SX:
     """f'(|x|) beyond u2."""
     tangent = 1 / (t.u1 - t.u2) if smooth else 0
     return 1 / (t.u1 - size) - tangent
 
 
-map_claim = Claims(by=Z3())
+map_claim = Claims()
 
 
 @map_claim("prox.optimal", (14, 15, 18), each=EITHER_BARRIER)
@@ -54,12 +54,12 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
     t = symbols("c k u1 u2", "k u1 u2")
     c, k, u1, u2 = t.values()
     x = resolvent(c, k, u1, u2, smooth)
-    size, s = abs(x), ca.if_else(c >= 0, 1, -1)
+    size, s = abs(x), if_else(c >= 0, 1, -1)
     rest = s * (c - mutation * x)
     beyond = (rest - k * _slope(size, t, smooth)) * (u1 - size)
-    jump = ca.SX(0) if smooth else k / (u1 - u2)
-    at_kink = ca.fmin(jump - rest, 0)
-    miss = ca.if_else(size > u2, beyond, ca.if_else(size < u2, rest, at_kink))
+    jump = SX(0) if smooth else k / (u1 - u2)
+    at_kink = fmin(jump - rest, 0)
+    miss = if_else(size > u2, beyond, if_else(size < u2, rest, at_kink))
     inside = u1 > size
     return Statement(t, (miss == 0, nonnegative(rest, s * x), inside), _target(t))
 
@@ -76,9 +76,9 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
     x1, x2, k1, k2, u1, u2 = t.values()
     slopes = []
     for x, kink in ((x1, k1), (x2, k2)):
-        size, s = abs(x), ca.if_else(x >= 0, 1, -1)
-        jump = ca.SX(0) if smooth else kink
-        steep = ca.if_else(size > u2, _slope(size, t, smooth), ca.if_else(size < u2, 0, jump))
+        size, s = abs(x), if_else(x >= 0, 1, -1)
+        jump = SX(0) if smooth else kink
+        steep = if_else(size > u2, _slope(size, t, smooth), if_else(size < u2, 0, jump))
         slopes.append(s * steep)
     rises = mutation * (slopes[0] - slopes[1]) * (x1 - x2)
     sizes = [u1 > way * t[x] for way in (1, -1) for x in ("x1", "x2")]
@@ -134,7 +134,7 @@ def short(mutation: Mutation, smooth: bool) -> Statement:
     c, k, u1, u2, most, m, d = t.values()
     x = resolvent(c, k, u1, u2, smooth)
     bent = k / (u1 - u2) if smooth else 0
-    beyond = ca.fmin(ca.if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
+    beyond = fmin(if_else(c >= 0, 1, -1) * c, LARGEST) - u1 + bent
     margin = mutation(k, 1.5 * k) >= m * (m + most - u1 + bent)
     sizes = most >= abs(c), most >= u1, d > 0, d * (d + beyond) == k
     given = _target(t), m > 0, u1 - u2 >= m, margin, sizes
@@ -163,7 +163,7 @@ class Step:
         self, goals: Relations, given: Relations, names: tuple[str, ...], more: Symbols = NONE
     ) -> Statement:
         """Statement for 0 < u2 < u1 and 0 < E < 1 on the graph of `prox_step`, cut at ``names``."""
-        t, one = self.inputs, ca.SX(1)
+        t, one = self.inputs, SX(1)
         maps = {
             "end": (self.argument, self.shares[1]), "x_followed": (t.followed, one),
             "x_target": (t.target, one),
@@ -175,7 +175,7 @@ class Step:
         return Statement(t | self.free | more, goals, (plain, given), cuts)
 
 
-claim = Claims(by=Z3(), given="0 < v_u2 < v_u1, 0 < E < 1")
+claim = Claims(given="0 < v_u2 < v_u1, 0 < E < 1")
 
 
 @claim("prox.inside", each=EITHER_BARRIER)
@@ -311,5 +311,5 @@ def rises(mutation: Mutation) -> Statement:
     moved = t.before >= t.carried, t.S_carried + t.way >= t.S_mid
     given = squares, signs, moved, E**2 * t.mid >= t.after
     most = E * (S + mutation(1, 0.9) * t.way)
-    level = Relation(ca.if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
+    level = Relation(if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
     return Statement(t, (most >= t.S_next, level), given)

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-import casadi as ca
+from casadi import DM, SX, exp, expm1, fmax, horzcat, logic_and, substitute, vertcat, vertsplit
 
 from wmr_ctrl.control.laws.prox import next_velocity, prox_step
 from wmr_ctrl.world.model.dynamics import wheel_to_force
@@ -54,30 +54,30 @@ class Sampled(Named):
     def force_cuts(self) -> Cuts:
         """v+, the friction there, and the observer's force."""
         law, step = self.law, next_velocity(self.law.context)
-        both = law.own(ca.vertcat(step, law.context.friction_at(step)))
+        both = law.own(vertcat(step, law.context.friction_at(step)))
         k = self.axis
         return {"next": both[k], "friction": both[2 + k], "f": law.system.update[k]}
 
-    def moved(self, push: ca.SX) -> ca.SX:
+    def moved(self, push: SX) -> SX:
         """v + T (F - F1(v+) + push)/M."""
         force = self.force - self.force_cuts["friction"] + push
         return self.v + self.period * force / self.mass
 
     @property
-    def applied(self) -> ca.SX:
+    def applied(self) -> SX:
         """The force that acted since the previous sample."""
         t = self.law.symbols
-        torque = ca.vertcat(t["tau_applied[1]"], t["tau_applied[2]"])
+        torque = vertcat(t["tau_applied[1]"], t["tau_applied[2]"])
         return wheel_to_force(t["robot.r"], t["robot.l"], torque)[self.axis]
 
     @cached_property
     def observer_cuts(self) -> Cuts:
         """exp(-wo T) - 1, and the friction at the middle velocity."""
         law, t = self.law, self.law.symbols
-        old = ca.vertcat(t["v_previous[1]"], t["v_previous[2]"])
+        old = vertcat(t["v_previous[1]"], t["v_previous[2]"])
         middle = 0.5 * (law.own(law.context.v) + old)
         return {
-            "fall": ca.expm1(-t["gains.prox.wo"] * self.period),
+            "fall": expm1(-t["gains.prox.wo"] * self.period),
             "drag": law.own(law.context.friction_at(middle))[self.axis],
         }
 
@@ -88,13 +88,13 @@ class Sampled(Named):
         sizes = positive(t.started, t["robot.r"], t["robot.l"])
         return self.numbers, sizes, fall > -1, fall < 0
 
-    def gained(self, d: ca.SX) -> Relations:
+    def gained(self, d: SX) -> Relations:
         """M (v - v_old) = T (F - F1 + d) since the previous sample."""
         pushed = self.applied - self.observer_cuts["drag"] + d
         return self.mass * (self.v - self.old) == self.period * pushed
 
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim(
@@ -120,10 +120,10 @@ def assembled(mutation: Mutation, part: str) -> Statement:
         half = -0.5 * t[f"gains.prox.rho[{axis + 1}]"] * T
         way = c, c + T * (rate if part else along), c + T * rate
         limits = t[f"limits.v_u1[{axis + 1}]"], t[f"limits.v_u2[{axis + 1}]"]
-        shares = ca.exp(half), -ca.expm1(half)
+        shares = exp(half), -expm1(half)
         steps.append(prox_step(t[name], way, shares, limits, context.smooth))
     free = symbols("step1 step2")
-    goals = every(law.own(next_velocity(context)), mutation * ca.vertcat(*steps))
+    goals = every(law.own(next_velocity(context)), mutation * vertcat(*steps))
     return Statement(t | free, goals, cuts=dict(zip(free, steps, strict=True)))
 
 
@@ -187,9 +187,9 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=(s.numbers, room, push), cuts=s.force_cuts, more=t)
 
 
-def falls(after: ca.SX, before: ca.SX, to: ca.SX, share: ca.SX) -> Relations:
+def falls(after: SX, before: SX, to: SX, share: SX) -> Relations:
     """Goal: the excess of a size over ``to`` shrinks to at most a share of itself."""
-    return share * ca.fmax(before - to, 0) >= ca.fmax(after - to, 0)
+    return share * fmax(before - to, 0) >= fmax(after - to, 0)
 
 
 @claim(
@@ -243,9 +243,9 @@ def observer_first(mutation: Mutation) -> Statement:
     Given: the state that the law starts from; any first sample.
     """
     law = LawGraph("prox")
-    later = ca.substitute(law.system.update, law.system.x, ca.DM(law.system.x0))
-    v = ca.vertcat(*(law[name] for name in VELOCITY_NAMES))
-    goals = every(later[:5], ca.vertcat(0, 0, v, mutation(1, 0)))
+    later = substitute(law.system.update, law.system.x, DM(law.system.x0))
+    v = vertcat(*(law[name] for name in VELOCITY_NAMES))
+    goals = every(later[:5], vertcat(0, 0, v, mutation(1, 0)))
     return Statement(law, goals)
 
 
@@ -283,17 +283,17 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     share, f = -s.free.fall, s.law.system.update[axis]
     old, new = s.f_old + d_old, f + d
     tight = mutation(1, 0.9)
-    sizes = ca.logic_and(abs(d_old) <= most, abs(s.f_old) <= most)
-    slow = ca.logic_and(abs(d - d_old) <= change, share * abs(old) <= change)
+    sizes = logic_and(abs(d_old) <= most, abs(s.f_old) <= most)
+    slow = logic_and(abs(d - d_old) <= change, share * abs(old) <= change)
     small = when(sizes, tight * most >= abs(f))
     goals = small, when(slow, tight * change >= share * abs(new))
     given = s.observed, s.gained(d_old)
     return s.states(goals, given=given, cuts=s.observer_cuts, more=t)
 
 
-def _matrix(mu: ca.SX, a: ca.SX, share: ca.SX) -> ca.SX:
+def _matrix(mu: SX, a: SX, share: SX) -> SX:
     """The loop of (w, T f/M^)."""
-    return ca.vertcat(ca.horzcat(1 - mu * a, mu), ca.horzcat(-share * a * (1 - mu), 1 - share * mu))
+    return vertcat(horzcat(1 - mu * a, mu), horzcat(-share * a * (1 - mu), 1 - share * mu))
 
 
 FAST = {"L": "0.3", "least": "1/4", "p": "1/6", "s": "53/5", "g": "0.93"}
@@ -301,7 +301,7 @@ GENTLE = {"L": "0.07", "least": "1/10", "p": "1/5", "s": "60", "g": "0.993"}
 
 LOOP = "prox.loop-force prox.loop-observer prox.loop-observer-angular"
 BELIEFS = rows(key=("", "-gentle"), numbers=(FAST, GENTLE))
-mass_claim = Claims(by=Z3())
+mass_claim = Claims()
 
 
 @mass_claim(
@@ -400,7 +400,7 @@ def light_model(mutation: Mutation) -> Statement:
     t = symbols("mu a L")
     mu, a, L = t.values()
     given = [part for name in ("a", "L") for part in (t[name] > 0, t[name] < 1)]
-    share = mutation(4 / ca.SX(3), ca.SX(1.5))
+    share = mutation(4 / SX(3), SX(1.5))
     edge = 4 - mu * (2 * (a + L) - a * L)
     det = 1 - mu * (a + L) + mu * a * L
     light = mu > 0, share >= mu
@@ -430,7 +430,7 @@ def wrong_mass(mutation: Mutation, numbers: Mapping[str, str], corners: bool = T
     """
     t = symbols("w q mu a " + " ".join(numbers))
     p, s = t.p, t.s
-    w, q = ca.vertsplit(_matrix(t.mu, t.a, t.L) @ ca.vertcat(t.w, t.q))
+    w, q = vertsplit(_matrix(t.mu, t.a, t.L) @ vertcat(t.w, t.q))
     form = t.w**2 + 2 * p * t.w * t.q + s * t.q**2
     left = t.g**2 * form
     shares = {name: Fraction(value) for name, value in numbers.items()}

@@ -2,7 +2,7 @@
 
 from fractions import Fraction
 
-import casadi as ca
+from casadi import SX, cos, if_else, sin, sumsqr, vertcat, vertsplit
 
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_proofs import paper_barrier as barrier
@@ -29,25 +29,25 @@ class Strict(Tracking):
         super().__init__("eps value rate")
         self.W = analysis.strict_lyapunov(self.e, self.k[1], self.eps)
         self.W_rate = analysis.strict_rate(self.e, self.v_d, self.k, self.eps)
-        self.size = self.e[0] ** 2 + self.e[1] ** 2 + ca.sin(self.e[2]) ** 2
+        self.size = self.e[0] ** 2 + self.e[1] ** 2 + sin(self.e[2]) ** 2
 
     @property
     def near(self) -> Relations:
         """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
         inside = self.e1**2 <= 1, self.e2**2 <= 1
-        nearly = 4 * ca.cos(self.e3) >= 1
+        nearly = 4 * cos(self.e3) >= 1
         return [a * self[name] == b for name, a, b in PAPER], inside, nearly
 
 
-def _undisturbed(t: Tracking) -> ca.SX:
+def _undisturbed(t: Tracking) -> SX:
     """p = (v1d cos e3, v2d + k2 v1d e2): v_c0 without its corrections y = (k1 e1, k3 sin e3)."""
-    return ca.vertcat(t.v_d[0] * ca.cos(t.e[2]), t.v_d[1] + t.k[1] * t.v_d[0] * t.e[1])
+    return vertcat(t.v_d[0] * cos(t.e[2]), t.v_d[1] + t.k[1] * t.v_d[0] * t.e[1])
 
 
-def _limited(t: Tracking) -> ca.SX:
+def _limited(t: Tracking) -> SX:
     """v_c1 of both axes."""
     target = auxiliary_velocity(t.e, t.v_d, t.k)
-    return ca.vertcat(*(barrier.minimiser(target[i], t[f"u1{i + 1}"], t[f"u2{i + 1}"])
+    return vertcat(*(barrier.minimiser(target[i], t[f"u1{i + 1}"], t[f"u2{i + 1}"])
                         for i in (0, 1)))  # fmt: skip
 
 
@@ -66,7 +66,7 @@ START = {
 
 TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
 FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim("strict.falls", (31,))
@@ -119,7 +119,7 @@ def stays(mutation: Mutation) -> Statement:
     """
     t = Strict()
     given = t.k2 == 5, 50 * t.eps == 1, mutation > 20 * mutation * t.W
-    goals = t.e1**2 < 1, t.e2**2 < 1, 4 * ca.cos(t.e3) > 1
+    goals = t.e1**2 < 1, t.e2**2 < 1, 4 * cos(t.e3) > 1
     return t.states(goals, given=given)
 
 
@@ -146,8 +146,8 @@ def saturated_rate(mutation: Mutation) -> Statement:
     Given: k2 > 0.
     """
     t = Tracking("x1 x2")
-    e, k2, x, p = t.e, t.k[1], ca.vertcat(t.x1, t.x2), _undisturbed(t)
-    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * ca.sin(e[2]) / k2
+    e, k2, x, p = t.e, t.k[1], vertcat(t.x1, t.x2), _undisturbed(t)
+    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * sin(e[2]) / k2
     return t.states(analysis.position_rate(e, x, t.v_d, k2) == written)
 
 
@@ -160,7 +160,7 @@ def argument(mutation: Mutation) -> Statement:
     # The corrections have the signs of e1 and sin e3.
     t = Tracking()
     target, p = auxiliary_velocity(t.e, t.v_d, t.k), _undisturbed(t)
-    turn = p[1] + mutation * t.k[2] * ca.sin(t.e[2])
+    turn = p[1] + mutation * t.k[2] * sin(t.e[2])
     return t.states(target[0] == p[0] + t.k[0] * t.e[0], target[1] == turn)
 
 
@@ -182,7 +182,7 @@ def level_set(mutation: Mutation) -> Statement:
     sizes = positive(k2, v_d[0]), t.u21 >= v_d[0], room > 0
     given = sizes, low, level > analysis.position_lyapunov(e, k2)
     kept = (t[f"u2{i + 1}"] >= abs(p[i]) for i in (0, 1))
-    return t.states(*kept, ca.cos(e[2]) > -1, given=given)
+    return t.states(*kept, cos(e[2]) > -1, given=given)
 
 
 @claim(
@@ -204,11 +204,11 @@ def level_invariant(mutation: Mutation) -> Statement:
     v_u21, |p2| <= v_u22; k1, k3 > 0.
     """
     t = Tracking("x1 x2")
-    e, k, x, p = t.e, t.k, ca.vertcat(t.x1, t.x2), _undisturbed(t)
-    pulls = e[0], ca.sin(e[2])
+    e, k, x, p = t.e, t.k, vertcat(t.x1, t.x2), _undisturbed(t)
+    pulls = e[0], sin(e[2])
     pulled = [(x[i] - p[i]) * k[2 * i] * pulls[i] >= 0 for i in (0, 1)]
-    given = positive(*ca.vertsplit(k)), pulled
-    behind = ca.if_else(ca.cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
+    given = positive(*vertsplit(k)), pulled
+    behind = if_else(cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
     rate = analysis.position_rate(e, x, t.v_d, k[1])
     return t.states(mutation * rate <= 0, behind >= 0, given=given)
 
@@ -252,5 +252,5 @@ def stuck(_: Mutation) -> Statement:
     Given: 0 < v1d < v_u11, cos e3 > 0.
     """
     t = Tracking("u11 u12 u21 u22")
-    given = positive(ca.cos(t.e[2]), ca.sumsqr(t.e), t.v_d[0]), t.u11 > t.v_d[0]
-    return t.states(ca.sumsqr(error_rate(t.e, _limited(t), t.v_d)) > 0, given=given)
+    given = positive(cos(t.e[2]), sumsqr(t.e), t.v_d[0]), t.u11 > t.v_d[0]
+    return t.states(sumsqr(error_rate(t.e, _limited(t), t.v_d)) > 0, given=given)

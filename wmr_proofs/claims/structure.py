@@ -1,6 +1,6 @@
 """Why the barrier function works: proximal map, Moreau envelope, Bregman distance (P1-P8)."""
 
-import casadi as ca
+from casadi import gradient, if_else, substitute
 
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation
@@ -56,7 +56,7 @@ def envelope_slope(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a, _, c, u1, u2 = barrier_axis()
-    return a.states(ca.gradient(barrier.g(c, u1, u2), c) == a.x - mutation * c)
+    return a.states(gradient(barrier.g(c, u1, u2), c) == a.x - mutation * c)
 
 
 @claim("P3", (10, 12), premises="lemma.log")
@@ -126,10 +126,10 @@ def target_slope(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a, _, c, u1, u2 = barrier_axis()
-    slope = ca.gradient(a.x, c)
+    slope = gradient(a.x, c)
     edge = u2 + 1 / (u1 - u2)
     far = 1 / (1 + mutation / (u1 - abs(a.x)) ** 2)
-    written = ca.if_else(abs(c) <= u2, 1, ca.if_else(abs(c) <= edge, 0, far))
+    written = if_else(abs(c) <= u2, 1, if_else(abs(c) <= edge, 0, far))
     return a.states(slope == written, slope >= 0, slope <= 1)
 
 
@@ -142,7 +142,7 @@ def q_at_target(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}{FINITE}.
     """
     a, v, c, _, _ = barrier_axis()
-    return a.states(ca.substitute(a.stable.q, v, a.x) == ca.gradient(a.x, c) + mutation(0, c))
+    return a.states(substitute(a.stable.q, v, a.x) == gradient(a.x, c) + mutation(0, c))
 
 
 @claim("P8", (9,), by=Z3(), premises="P4 P5")

@@ -3,7 +3,7 @@
 From Eq. (50) on the robot turns; then the conditions on l.
 """
 
-import casadi as ca
+from casadi import SX, cos, sin, vertcat, vertsplit
 
 from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
@@ -14,16 +14,16 @@ from wmr_proofs.statement import Relations, Statement, Symbols, between, equal, 
 from .tracking import GAINS, Tracking
 
 
-def conditions(names: Symbols, printed: bool = False) -> ca.SX:
+def conditions(names: Symbols, printed: bool = False) -> SX:
     """The six conditions on l, in the symbols of a table."""
-    gains = ca.vertcat(1, names.k2, names.k3)
+    gains = vertcat(1, names.k2, names.k3)
     return analysis.conditions(names.l, gains, names.v1dmin, names.v1dmax, names.v2max, printed)
 
 
 PUSHED = at(e1=0, e2=1, e3=-1, z1=0, z2=1, v1d=1, v2d=0, k1=1, k2=1, k3="1/100")
 SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
 
-claim = Claims(by=Z3(), form=PRINTED)
+claim = Claims(form=PRINTED)
 
 
 @claim(
@@ -46,7 +46,7 @@ def start(mutation: Mutation) -> Statement:
     sides = abs(e[1]) > l * abs(e[0]), abs(e[1]) > l * abs(e[2])
     if mutation < 0:
         sides = l * abs(e[0]) > abs(e[1]), sides[1]
-    lemma = e[2] ** 2 >= 2 * (1 - ca.cos(e[2]))
+    lemma = e[2] ** 2 >= 2 * (1 - cos(e[2]))
     goal = analysis.start_bound(l, k2, e[1]) > analysis.position_lyapunov(e, k2)
     return Statement(t, goal, (l > 5, k2 > 0, sides, lemma))
 
@@ -135,7 +135,7 @@ def angle_rate(mutation: Mutation) -> Statement:
     """
     t = Tracking()
     k, e = t.k, t.e
-    written = -k[1] * t.v_d[0] * e[1] - k[2] * ca.sin(e[2]) - mutation * t.z[1]
+    written = -k[1] * t.v_d[0] * e[1] - k[2] * sin(e[2]) - mutation * t.z[1]
     return t.states(t.rate[2] == written)
 
 
@@ -155,7 +155,7 @@ def angle_grows(mutation: Mutation) -> Statement:
     t = Tracking()
     k, e = t.k, t.e
     push = abs(-k[1] * t.v_d[0] * e[1] - mutation * t.z[1])
-    given = k[2] > 0, e[2] * ca.sin(e[2]) >= 0
+    given = k[2] > 0, e[2] * sin(e[2]) >= 0
     return t.states(push * abs(e[2]) >= e[2] * t.rate[2], given=given)
 
 
@@ -186,7 +186,7 @@ def side_rate(mutation: Mutation) -> Statement:
     """
     t = Tracking()
     e, v2 = t.e, t.followed[1]
-    given = t.v_d[0] > 0, abs(e[2]) >= abs(ca.sin(e[2]))
+    given = t.v_d[0] > 0, abs(e[2]) >= abs(sin(e[2]))
     bound = abs(e[0]) * abs(v2) + mutation * t.v_d[0] * abs(e[2])
     return t.states(bound >= abs(t.rate[1]), given=given)
 
@@ -232,7 +232,7 @@ def angle_falls(mutation: Mutation) -> Statement:
     l, E = t.l, t.E
     stays = 5 * t.e[1] > 4 * E, t.k[2] * E > l * abs(t.z[1])
     given = positive(l, E, t.k[1], t.k[2], t.v_d[0]), stays
-    bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * abs(ca.sin(t.e[2])), E)
+    bound = analysis.angle_rate_bound(l, t.k, t.v_d[0], mutation * abs(sin(t.e[2])), E)
     return Statement(t, bound > 5 * t.rate[2], given)
 
 
@@ -293,7 +293,7 @@ def angle_speed(mutation: Mutation) -> Statement:
     six = conditions(t)
     turned = analysis.angle_bound(l, k3, low, high, E) >= sine, sine >= 0
     given = positive(l, k2, k3, low, E, six[3], six[5]), between(low, v1d, high), turned
-    gains = ca.vertcat(1, k2, k3)
+    gains = vertcat(1, k2, k3)
     bound = analysis.angle_rate_bound(l, gains, v1d, sine, E)
     return Statement(t, -mutation(2.5, 3.5) * k2 * low * E > bound, given)
 
@@ -361,8 +361,8 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
         -7 * e3 < 22, 7 * e3 < 22,
     ]  # fmt: skip
     if repaired:
-        given += [11 * abs(ca.sin(e3)) >= 7 * abs(e3), e3 * ca.sin(e3) >= 0]
-    bound = analysis.position_rate_bound(ca.vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
+        given += [11 * abs(sin(e3)) >= 7 * abs(e3), e3 * sin(e3) >= 0]
+    bound = analysis.position_rate_bound(vertcat(-t.z[0] / (2 * t.k[0]), 0, e3), t.z, t.k)
     return t.states(-mutation(3, 40) * eps1 > bound + eps1, given=given)
 
 
@@ -407,7 +407,7 @@ def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     six = conditions(t, printed)
     start = t.l > mutation(least, least - 1)
-    return Statement(t, positive(*ca.vertsplit(six)), (paper_gains(t), start))
+    return Statement(t, positive(*vertsplit(six)), (paper_gains(t), start))
 
 
 @claim("conditions.256", (40,), form=OURS)
@@ -421,7 +421,7 @@ def at_256(_: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
     given = paper_gains(t), t.l == 256
-    return Statement(t, positive(*ca.vertsplit(conditions(t))), given)
+    return Statement(t, positive(*vertsplit(conditions(t))), given)
 
 
 @claim("conditions.printed", (40, 51), form=OURS)

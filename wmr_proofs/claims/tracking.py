@@ -1,6 +1,6 @@
 """Position errors: Eqs. (31)-(39), on V2 and the error dynamics of the product."""
 
-import casadi as ca
+from casadi import cos, sin, sumsqr, vertcat, vertsplit
 
 from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
 from wmr_proofs import paper_functions as analysis
@@ -22,7 +22,7 @@ class Tracking(Named):
         self.symbols = free | column("k", 3, fixed=True) | column("v", 2) | symbols(more)
         self.e, self.k = (stacked(self, name, 3) for name in "ek")
         self.z, self.v = (stacked(self, name, 2) for name in "zv")
-        self.v_d = ca.vertcat(self.v1d, self.v2d)
+        self.v_d = vertcat(self.v1d, self.v2d)
         self.followed = auxiliary_velocity(self.e, self.v_d, self.k) + self.z
         self.rate = error_rate(self.e, self.followed, self.v_d)
         self.fall = analysis.position_rate(self.e, self.followed, self.v_d, self.k[1])
@@ -57,7 +57,7 @@ def derivative(mutation: Mutation) -> Statement:
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     rate = error_rate(e, v, v_d)
-    chain = rate[0] * e[0] + rate[1] * e[1] + mutation * rate[2] * ca.sin(e[2]) / k2
+    chain = rate[0] * e[0] + rate[1] * e[1] + mutation * rate[2] * sin(e[2]) / k2
     return t.states(analysis.position_rate(e, v, v_d, k2) == chain)
 
 
@@ -71,7 +71,7 @@ def expanded(mutation: Mutation) -> Statement:
     """
     t = Tracking()
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
-    s, c = ca.sin(e[2]), ca.cos(e[2])
+    s, c = sin(e[2]), cos(e[2])
     written = (-v[0] + v_d[0] * c) * e[0] + v_d[0] * s * e[1] + mutation * (v_d[1] - v[1]) * s / k2
     return t.states(analysis.position_rate(e, v, v_d, k2) == written)
 
@@ -85,7 +85,7 @@ def with_targets(mutation: Mutation) -> Statement:
     Given: {ANY_ERROR}.
     """
     t = Tracking()
-    e, z, k, s = t.e, t.z, t.k, ca.sin(t.e[2])
+    e, z, k, s = t.e, t.z, t.k, sin(t.e[2])
     written = -k[0] * e[0] ** 2 - z[0] * e[0] - k[2] / k[1] * s**2 - mutation * z[1] * s / k[1]
     return t.states(t.fall == written)
 
@@ -133,9 +133,9 @@ def beyond(mutation: Mutation) -> Statement:
     e, z, k, eps0, root = t.e, t.z, t.k, t.eps0, t.root
     rest = analysis.square_rest(eps0**2, eps0**2, k)
     root_of = root > 0, root**2 * k[2] == k[1] * rest
-    turned = abs(ca.sin(e[2])) > (root + eps0 / (2 * k[2])) * mutation
-    sizes = positive(eps0, *ca.vertsplit(k)), eps0 >= abs(z[1])
-    only_angle = analysis.position_rate_bound(ca.vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
+    turned = abs(sin(e[2])) > (root + eps0 / (2 * k[2])) * mutation
+    sizes = positive(eps0, *vertsplit(k)), eps0 >= abs(z[1])
+    only_angle = analysis.position_rate_bound(vertcat(-z[0] / (2 * k[0]), e[1], e[2]), z, k)
     return t.states(only_angle + rest < 0, given=(sizes, root_of, turned))
 
 
@@ -155,7 +155,7 @@ def twice_threshold(_: Mutation) -> Statement:
     t = Tracking("eps0")
     x = analysis.threshold(t.eps0, t.k)
     turned = abs(t.e[2]) > 2 * x, 9 * x < 7, 7 * abs(t.e[2]) < 22
-    return t.states(t.fall < 0, given=(turned, t.eps0**2 >= ca.sumsqr(t.z)))
+    return t.states(t.fall < 0, given=(turned, t.eps0**2 >= sumsqr(t.z)))
 
 
 @claim(
@@ -174,6 +174,6 @@ def quarter_turn(mutation: Mutation) -> Statement:
     """
     t = symbols("e3 share x")
     angle, share, x = t.values()
-    sine, size = abs(ca.sin(angle)), abs(angle)
+    sine, size = abs(sin(angle)), abs(angle)
     given = x >= 0, size > 2 * x, 11 * share > 7, sine >= share * size
     return Statement(t, sine > mutation(1, 2) * x, given)

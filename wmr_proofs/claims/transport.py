@@ -4,12 +4,11 @@ V1 enters by values at a few points, which are free numbers with known propertie
 lies above its chords and, by w^2/2, above its minimum at v_c1.
 """
 
-import casadi as ca
+from casadi import SX, eq, if_else, logic_and, logic_or
 
 from wmr_ctrl.control.barrier.proximal import level_share, resolvent, transported
 from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3
 from wmr_proofs.paper_barrier import f, lyapunov, minimiser
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
 from wmr_proofs.statement import (
@@ -38,10 +37,10 @@ class Carried:
         self.inputs = t = symbols("v c c_next u1 u2", "u1 u2")
         self.free = symbols("x x_next level excess share after")
         v, limits, form = t.v, (t.u1, t.u2), smooth_barrier if smooth else stable_barrier
-        x, x_next = (resolvent(c, ca.SX(1), *limits, smooth) for c in (t.c, t.c_next))
+        x, x_next = (resolvent(c, SX(1), *limits, smooth) for c in (t.c, t.c_next))
         ahead = x_next + (v - x)
-        level = form(t.c, ca.if_else(abs(v) < t.u1, v, 0), *limits).V1
-        reached = ca.if_else(abs(ahead) < t.u1, ahead, 0)
+        level = form(t.c, if_else(abs(v) < t.u1, v, 0), *limits).V1
+        reached = if_else(abs(ahead) < t.u1, ahead, 0)
         excess = form(t.c_next, reached, *limits).D
         share = level_share(v - x, level, excess)
         self.cuts = {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
@@ -55,12 +54,12 @@ class Carried:
         t = self.inputs | self.free
         u1, share = t.u1, t.share
         inside = [u1 > way * t[x] for way in (1, -1) for x in ("x", "x_next")]
-        held = when(ca.eq(t.c, t.c_next), t.x == t.x_next)
+        held = when(eq(t.c, t.c_next), t.x == t.x_next)
         known = t.u2 > 0, u1 > t.u2, inside, held, share >= 0
         return Statement(t, goals, (known, share <= 1, given), self.cuts)
 
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim("transport.share", premises="eq81")
@@ -99,19 +98,19 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     v, c, c_next, u1, u2 = t.values()
     form, pull = (smooth_lyapunov, smooth_f) if smooth else (lyapunov, f)
     x, x_next = (
-        resolvent(target, ca.SX(1), u1, u2, True) if smooth else minimiser(target, u1, u2)
+        resolvent(target, SX(1), u1, u2, True) if smooth else minimiser(target, u1, u2)
         for target in (c, c_next)
     )
     w, shift, step = v - x, x_next - x, c_next - c
 
-    def cost(y: ca.SX, target: ca.SX) -> ca.SX:
+    def cost(y: SX, target: SX) -> SX:
         return 0.5 * (y - target) ** 2 + pull(y, u1, u2)
 
     inside = u2 > 0, u1 > u2, [u1 > abs(y) for y in (v, x, x_next)]
     least = cost(x_next, c) >= cost(x, c) + 0.5 * shift**2
     given = inside, least, cost(x, c_next) >= cost(x_next, c_next) + 0.5 * shift**2
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
-    nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
+    nearer = logic_and(w * shift > 0, abs(shift) <= abs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
     sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
     goals = sides, most >= rise, when(nearer, rise <= 0)
@@ -137,18 +136,18 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     v, x, x_next, share, after = (t[n] for n in ("v", "x", "x_next", "share", "after"))
     w, shift, left = v - x, x_next - x, g.end - x_next
     within = abs(v) < t.u1
-    reaches = ca.logic_and(within, abs(x_next + w) < t.u1)
-    on_chord = ca.logic_and(reaches, ca.eq(left, share * w))
-    nearer = ca.logic_and(w * shift > 0, abs(shift) <= abs(w))
-    stays = ca.logic_and(within, ca.eq(g.end, v))
-    held = ca.eq(t.c, t.c_next)
+    reaches = logic_and(within, abs(x_next + w) < t.u1)
+    on_chord = logic_and(reaches, eq(left, share * w))
+    nearer = logic_and(w * shift > 0, abs(shift) <= abs(w))
+    stays = logic_and(within, eq(g.end, v))
+    held = eq(t.c, t.c_next)
     spent = 0.5 * (share * w) ** 2 + share * t.excess
     given = (
         when(reaches, t.level >= spent),
         when(within, t.level >= 0.5 * w**2),
         when(on_chord, spent >= after),
-        when(ca.eq(left, 0), after == 0),
-        when(ca.logic_and(stays, ca.logic_or(nearer, held)), t.level >= after),
+        when(eq(left, 0), after == 0),
+        when(logic_and(stays, logic_or(nearer, held)), t.level >= after),
     )
     lost = mutation(t.level, 0.9 * t.level) >= after
     return g.states((when(within, lost), w**2 >= left**2), given)
@@ -166,8 +165,8 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     g = Carried(smooth)
     t = g.inputs
     u1, size = t.u1, abs(g.end)
-    less = ca.if_else(abs(t.v) < u1, u1, 1 + size) > size
-    goals = mutation(u1, t.u2) >= size, less, when(ca.eq(t.c, t.c_next), g.end == t.v)
+    less = if_else(abs(t.v) < u1, u1, 1 + size) > size
+    goals = mutation(u1, t.u2) >= size, less, when(eq(t.c, t.c_next), g.end == t.v)
     return g.states(goals, (u1 >= abs(t.v),))
 
 

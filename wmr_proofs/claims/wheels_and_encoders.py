@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
-import casadi as ca
+from casadi import SX, floor, is_equal, vertcat, vertsplit
 
 from wmr_ctrl.world import encoder, wheels
 from wmr_ctrl.world.effect import Bound, Effect
@@ -56,11 +56,11 @@ class EffectGraph(Named):
         with functions_for_traced("wmr_ctrl.world", but="wmr_ctrl.world.effect"):
             return self.effect.bound(scenario), trace
 
-    def column(self, name: str) -> ca.SX:
+    def column(self, name: str) -> SX:
         """The two elements ``name[1]`` and ``name[2]``."""
-        return ca.vertcat(self[f"{name}[1]"], self[f"{name}[2]"])
+        return vertcat(self[f"{name}[1]"], self[f"{name}[2]"])
 
-    def bound(self, name: str) -> ca.SX:
+    def bound(self, name: str) -> SX:
         """The pair or number ``name`` of the effect's Bound, for the symbols of its graph.
 
         Conditions that its code tests on the way become part of the claim (`states`). ValueError if
@@ -70,13 +70,13 @@ class EffectGraph(Named):
         for told, trace in ((self.told, self.trace), self._bounded(1.25)):
             value = vars(told)[name]
             pair = value if isinstance(value, tuple) else (value,)
-            found = ca.vertcat(*map(expression, pair), *trace.met)
+            found = vertcat(*map(expression, pair), *trace.met)
             pairs.append(exchanged(found, trace.symbols, self))
-        if not ca.is_equal(pairs[0], pairs[1], 100):
+        if not is_equal(pairs[0], pairs[1], 100):
             raise ValueError(f"the bound of {self.effect.name} holds a number that is no symbol")
-        parts = ca.vertsplit(pairs[0])
+        parts = vertsplit(pairs[0])
         self.always = [at_least(item, 1) for item in parts[len(pair) :]]
-        return ca.vertcat(*parts[: len(pair)])
+        return vertcat(*parts[: len(pair)])
 
     def above_zero(self, *names: str) -> Relations:
         """Each of these numbers is positive."""
@@ -134,7 +134,7 @@ def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
     return Case(f"{' '.join(orders)}; {', '.join(places)}", numbers, values)
 
 
-claim = Claims(by=Z3())
+claim = Claims()
 
 
 @claim(
@@ -153,10 +153,10 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     scenario, skidded = g.scenario, g["theta"] + g["skid"]
     now = encoder.turned(scenario, g.parameters, g["path"], skidded)
     turn = symbols("old_right old_left")
-    old = ca.vertcat(turn.old_right, turn.old_left)
+    old = vertcat(turn.old_right, turn.old_left)
     whole = g.column("wheel_counts_1")
     given = list[Relations]()
-    for real, part in ((now, ca.floor(now)), (old, whole)):
+    for real, part in ((now, floor(now)), (old, whole)):
         for i in (0, 1):
             given += real[i] >= part[i], real[i] - part[i] < 1
     exact = encoder.velocity_of((now - old) / g["clock.control"], g.parameters)
@@ -165,7 +165,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     most = mutation(bound, 0.9 * bound)
     sides = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control", "sample")
     cuts = {"turn_right": now[0], "turn_left": now[1]}
-    cuts |= {"counts_right": ca.floor(now[0]), "counts_left": ca.floor(now[1])}
+    cuts |= {"counts_right": floor(now[0]), "counts_left": floor(now[1])}
     window = g.bound("window")[axis] == g["clock.control"]
     goals = most > off, off > -most, window
     return g.states(goals, given=(sides, given), cuts=cuts, more=turn)
@@ -199,7 +199,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     most = g.bound("nbar")[axis] - counted
     off = shown - (t.v if axis == 0 else t.omega)
     sizes = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control")
-    inside = within(ca.vertcat(*t.values()), limits), positive(limits[0], limits[1])
+    inside = within(vertcat(*t.values()), limits), positive(limits[0], limits[1])
     given = sizes, _shares(g), inside
     return g.states(within(off, most * mutation(1, 0.9)), given=given, more=t)
 
@@ -218,7 +218,7 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
     """
     limited = {**WHEELS, "actuator.tau_max": 5.0}
     g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
-    told, most = ca.vertcat(g["tau_right"], g["tau_left"]), g["actuator.tau_max"]
+    told, most = vertcat(g["tau_right"], g["tau_left"]), g["actuator.tau_max"]
     believed = (g["robot.r"], g["robot.l"])
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
     bound = g.bound("dbar")[axis]
