@@ -14,7 +14,6 @@ import wmr_ctrl
 from tests.control.bases import GOVERNED, VELOCITY, based
 from tests.tables import cases, changes
 from wmr_ctrl.cli.check_sentences import filter_lines, promise
-from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.filter.held_loop import push_speeds
 from wmr_ctrl.control.filter.hypotheses import broken_hypotheses, most_torque
 from wmr_ctrl.control.outside import check_takes_torques
@@ -40,18 +39,6 @@ def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for():
         assert velocity[name] == pytest.approx(torque[name], abs=0.02), name
 
 
-@pytest.mark.slow
-def test_no_push_is_looked_for_and_none_is_told():
-    """A least push of 0 would read as if one had been looked for."""
-    pushed = based(GOVERNED, "filter.d = [0.05, 0.05]; disturbance.push = [3, 0]")
-    run = wmr_ctrl.simulate(pushed, "kanayama")
-    many = wmr_ctrl.simulate_many(pushed, "kanayama", range(2))
-
-    assert run.monitor.d_least is None
-    assert np.isnan([many["d_least1"], many["d_least2"]]).all()
-    assert "disturbance" not in summary_text(run)
-
-
 def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then():
     """The worst gain and the largest push that is stated, at the limit: to 1e-4 of it."""
     reach = -0.001 / math.expm1(-0.001 / 0.2)
@@ -65,7 +52,7 @@ def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit
     far = {**GOVERNED, **changes(text), "filter.d": d}
     for kind in ("clip", "governor"):
         run = wmr_ctrl.simulate(based(far, {"filter.kind": kind}), "kanayama")
-        assert run.monitor.violations == 0
+        assert (run.monitor.violations, run.monitor.d_least) == (0, None)
         assert run.monitor.max_abs_v[0] == pytest.approx(1.0, abs=1e-4)
     with pytest.raises(ScenarioError, match=r"filter\.d\[1\]"):
         settle(based(far, {"filter.d": [0.999 * d[0], d[1]]}), "kanayama")
@@ -306,17 +293,6 @@ def test_check_says_what_a_band_leaves_and_how_soon():
     assert -1e-6 < taken.min() <= taken.max() < 0.06
 
 
-@pytest.mark.slow
-def test_a_band_that_is_pushed_is_asked_for_long_enough():
-    setup, facts, told = overshooting("band", "filter.friction = [0, 20]; filter.push = [10, 0]")
-    step = wmr_ctrl.command_filter(setup.scenario)
-    sent = [step.step((10.0, 0.0)).command[0] for _ in range(4000)]
-    assert facts.usable_speed[0] == pytest.approx(sent[-1], rel=1e-6)
-    assert sent[127] < 0.998 * sent[-1]
-    assert "commands reach 0.9 of the limits after" in told
-    assert "one more per cent of overshoot" in told
-
-
 @pytest.mark.parametrize(
     "changed, words",
     cases("""
@@ -359,43 +335,16 @@ CLIPPED = VELOCITY | changes("""
 
 @pytest.mark.parametrize("pushed", [[20.0, 0.0], [0.0, 1.9]])
 def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed):
-    """Weak ones are refused, where trusted they leave the limit; what is named is never reached."""
+    """Weak ones are refused; the torque that is named is enough, and never reached."""
     weak = based(CLIPPED, {"disturbance.push": pushed, "actuator.tau_max": 0.1, "robot.mu": 0.0})
     with pytest.raises(ScenarioError, match=r"actuator\.tau_max = 0\.1 N\.m: a wheel") as error:
         settle(weak, "kanayama")
     named = float(str(error.value).split("Raise it to ")[1].split(" N.m")[0])
-    trusted = {"filter.trust": True, "clock.duration": 12.0}
-    broken = wmr_ctrl.simulate(override(weak, trusted), "kanayama", engine="numpy")
-    assert broken.outcome == "limit-violated"
     settle(override(weak, {"actuator.tau_max": named}), "kanayama")
     strong = override(weak, {"actuator.tau_max": math.inf})
     run = wmr_ctrl.simulate(strong, "kanayama", engine="numpy")
     assert max(np.abs(run[side]).max() for side in ("tau_right", "tau_left")) < named
     settle(override(weak, {"disturbance.push": [0.0, 0.0]}), "kanayama")
-
-
-def resisted(v, goal, rho, time):
-    """Speed after a while towards a goal against rolling, and the largest on the way; tau 0.2 s."""
-    end = (goal - math.copysign(rho, v or goal)) if v or abs(goal) > rho else 0.0
-    after = end + (v - end) * math.exp(-time / 0.2)
-    if v * after >= 0:
-        return after, max(abs(v), abs(after))
-    crossed = 0.2 * math.log((v - end) / -end)
-    rest, top = resisted(0.0, goal, rho, time - crossed)
-    return rest, max(abs(v), top)
-
-
-@pytest.mark.parametrize("stated, broken", [(0.0, True), (0.3, False)])
-def test_a_governor_counts_on_what_slows_the_base(stated, broken):
-    """Full ahead from full astern: against rolling the base is back at rest before a bound."""
-    own = {**GOVERNED, "filter.d": [stated, 0.0], "filter.odometry": None}
-    limit, v, top = wmr_ctrl.command_filter(based(own)), 0.0, 0.0
-    for k in range(104):
-        (u, _) = limit.step((-9.0 if k % 52 < 40 else 9.0, 0.0)).command
-        v, reached = resisted(v, 1.1 * u, 0.3, 0.05)
-        top = max(top, reached)
-    assert (top > 1.05) == broken
-    assert (top > 1.0) == broken
 
 
 @pytest.mark.parametrize(
@@ -428,53 +377,37 @@ def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changed
 
 
 @pytest.mark.parametrize(
-    "changed", ["guard.enabled = true", "gains.kanayama.delay = 0.05; base.delay = 0.05"]
+    "changed, key",
+    cases("""
+        guard.enabled = true                                | base.kind
+        gains.kanayama.delay = 0.05; base.delay = 0.05      | base.kind
+        actuator.delay = 0.01                               | actuator.delay
+        actuator.jitter = 0.01                              | actuator.jitter
+    """),
 )
-def test_what_a_velocity_base_cannot_have_is_refused_by_name(changed):
-    with pytest.raises(ScenarioError, match=r"base\.kind"):
+def test_what_a_velocity_base_cannot_have_is_refused_by_name(changed, key):
+    with pytest.raises(ScenarioError, match=key):
         settle(based(VELOCITY, changed), "kanayama")
-
-
-@pytest.mark.parametrize("name", ["delay", "jitter"])
-def test_late_torques_are_refused_where_velocities_are_sent(name):
-    with pytest.raises(ScenarioError, match=f"actuator.{name}"):
-        based({**VELOCITY, f"actuator.{name}": 0.01})
-
-
-def test_nonlinear_loops_refuse_a_velocity_base_by_name():
     with pytest.raises((ScenarioError, ArgumentError), match=r'base\.kind = "velocity"'):
         loop_nlsys(based(VELOCITY), "kanayama")
 
 
 @pytest.mark.parametrize(
     "changed",
-    [
-        "base.losses = 1",
-        "base.losses = 1; base.timeout = 0.06",
-        "base.timeout = 0.04",
-        "base.deadband = [0.02, 0.02]",
-        "base.quantum = [0.01, 0.01]",
-        "base.accel = [1.0, 2.0]",
-        "base.jerk = [5.0, 5.0]",
-        "base.w_max = 12",
-        "actuator.tau_max = 20",
-        "changes = [{t = 2.0, m = 52.0}]",
-        "actuator.lag = 0.02",
-    ],
+    cases("""
+        base.losses = 1
+        base.losses = 1; base.timeout = 0.06
+        base.timeout = 0.04
+        base.deadband = [0.02, 0.02]
+        base.quantum = [0.01, 0.01]
+        base.accel = [1.0, 2.0]
+        base.jerk = [5.0, 5.0]
+        base.w_max = 12
+        actuator.tau_max = 20
+        changes = [{t = 2.0, m = 52.0}]
+        actuator.lag = 0.02
+    """),
 )
 def test_what_the_band_leaves_open_is_refused_by_name(changed):
     with pytest.raises(ScenarioError, match="nothing here"):
         settle(based(OVERSHOOTING, {"filter.kind": "band", **changes(changed)}), "kanayama")
-
-
-@pytest.mark.slow
-def test_slow_commands_count_on_losses_and_delays_that_are_stated():
-    late = OVERSHOOTING | changes("filter.slew = [0.05, 0.05]; base.losses = 1; base.delay = 0.02")
-    with pytest.raises(ScenarioError, match=r"outside filter.delay"):
-        settle(based(late), "kanayama")
-    stated = {**late, "filter.delay": [0.0, 0.02]}
-    with pytest.raises(ScenarioError, match=r"filter.losses = 0 is less"):
-        settle(based(stated), "kanayama")
-    run = wmr_ctrl.simulate(based(stated, "filter.losses = 1"), "kanayama", engine="numpy")
-    assert run.monitor.violations == 0
-    assert run["clip_active"].any()

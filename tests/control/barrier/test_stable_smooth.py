@@ -5,8 +5,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tests import oracle
-from wmr_ctrl.api import simulate
+from tests.control.laws.points import assert_twin
 from wmr_ctrl.control.barrier.stable import SERIES_BELOW, _chi, smooth_barrier
 
 U1, U2 = 1.0, 0.8
@@ -75,15 +74,7 @@ def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign):
         assert float(found(here)) == pytest.approx(float(exact), rel=10**-digits, abs=0.0)
 
 
-@pytest.mark.parametrize("law", ["mb", "nn", "prox"])
+@pytest.mark.parametrize("law", ["mb", "nn"])
 @pytest.mark.slow_but("mb")
 def test_laws_take_it_as_their_twins_do(law):
-    changed = {f"gains.{law}.barrier": "smooth", "clock.duration": 5.0, "changes": []}
-    native, slow = (
-        run("paper-simulation", law, seed=4, overrides=changed)
-        for run in (simulate, oracle.simulate)
-    )
-    gaps = [abs(native[s.name] - slow[s.name]).max() for s in native.signals]
-
-    assert max(gaps) < 1e-9
-    assert native.outcome == "completed"
+    assert_twin(law, **{f"gains.{law}.barrier": "smooth"})

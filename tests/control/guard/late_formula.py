@@ -1,17 +1,23 @@
-"""The late guard's formula in docs/lemmas.md, in floats, for many robots."""
+"""The guard's formula behind late velocities and drives, in floats; integrals by quadrature."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+
+NODES, SHARES = np.polynomial.legendre.leggauss(20)
 
 
 @dataclass(frozen=True)
 class LateGuard:
-    """Stated numbers of one axis; times in s, ``lo`` and ``hi`` the delay's bounds, ``lag`` b."""
+    """Stated numbers of one axis; times in s, ``lo`` and ``hi`` the delay's bounds.
+
+    The time constant of the drives is ``lag``, or varies in [fast, lag].
+    """
 
     T: float
     u1: float
@@ -27,6 +33,7 @@ class LateGuard:
     lo: float = 0.0
     hi: float = 0.0
     lag: float = 0.0
+    fast: float | None = None
 
     @property
     def J(self):
@@ -45,24 +52,13 @@ class LateGuard:
         return math.ceil((self.L + self.hi) / self.T - 1e-9)
 
     @cached_property
-    def keep(self):
-        return math.exp(-self.T / self.lag) if self.lag else 0.0
-
-    @cached_property
-    def mean(self):
-        """Weights [s] of command j = 1, ..., n + 1: sure, and mixed with the next."""
-        if not self.window:
-            return [self._group(j, lambda s: self._h(s - self.age)) for j in range(1, self.n + 2)]
-        g = lambda s: (self._k(s - self.age) - self._k(s - self.L)) / self.window  # noqa: E731
-        return [self._group(j, g) for j in range(1, self.n + 2)]
-
-    @cached_property
-    def rest(self):
-        return [self._group(j, lambda s: self._h(s - self.L)) for j in range(1, self.n + 2)]
-
-    @cached_property
     def mixed(self):
-        return sum(w for _, w in self.mean[: self.n]) + self.mean[self.n][1] / (1 - self.keep)
+        """Time [s] in which either of two commands may act, as it counts for the mean."""
+        if self.fast is not None:
+            return self.late - self.window / 2
+        older = math.ceil(40 * self.lag / self.T) + 1
+        spent, z = self._spent(0.0, self._pieces(self.n + older), lambda which: len(which) - 1.0)
+        return float(np.sum(spent[0] + self.lag * z)) + self.J
 
     @cached_property
     def brakes(self):
@@ -77,85 +73,104 @@ class LateGuard:
         most = (self.M_min * (self.u1 - self.f_speed) - spent) / self.late
         return self._of_mixed(most) - self.net
 
-    def push(self, force):
-        return np.maximum(force + self.net, 0.0)
-
     def hi_of(self, y, sent, tail, way):
-        """Largest safe force in direction ``way``; ``sent``: the latest first."""
-        p = [self.push(way * force) for force in sent[: self.n]]
-        spent = []
-        for weights, share in ((self.mean, self._share), (self.rest, 1.0)):
-            total = share * tail
-            for j in range(self.n):
-                total = total + weights[j][0] * p[j]
-                if j:
-                    total = total + weights[j][1] * np.maximum(p[j], p[j - 1])
-            spent.append(total)
-        R = self._room(y, spent, way)
-        m = self.alpha * R
-        if self.J:
-            m = np.minimum(self.alpha * (R - self.J * p[0]), R / (1 / self.alpha + self.J))
-        return self._force(m)
+        """Largest safe force in direction ``way``; ``sent``: the latest first.
+
+        ``tail``: the push behind the lag before the commands that are listed.
+        """
+        spent, z = self._spent(tail, self._pieces(self.n), self._most(sent, way))
+        room = (
+            np.minimum(
+                self.M_min * (self.u1 - np.maximum(way * y + self.nbar, self.f_speed)) - spent[0],
+                self.M_min * (self.u1 - self.f_speed) - spent[1],
+            )
+            - self.lag * z
+        )
+        rate, J = 1 / self.alpha, self.J
+        more = lambda t: (self.lag - self._quick) * (1 - _left(t, self._quick))  # noqa: E731
+        lines = [room / (rate + J), (room + more(self.T + J) * z) / (rate + J + more(self.T + J))]
+        if J:
+            p = self._push(way * sent[0])
+            left = room - J * p - more(J) * np.maximum(p - z, 0.0)
+            z = self._behind(z, p, J)(0.0)
+            lines += [left / rate, (left + more(self.T) * z) / (rate + more(self.T))]
+        m = np.minimum.reduce(lines)
+        m = np.where(m < 0, m * self.M_max / (self.T * self.M_min * self.alpha), m)
+        return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
 
     def next_tail(self, tail, commands, way):
         """``commands``: the new one first."""
-        if not self.lag:
-            return tail
-        p, (sure, mixed) = [self.push(way * force) for force in commands], self.rest[self.n]
-        joined = sure * p[self.n]
-        if self.J:
-            joined = joined + mixed * np.maximum(p[self.n], p[self.n - 1])
-        return self.keep * tail + joined
+        oldest = self._pieces(self.n + 1)[: 2 if self.n else 1]
+        return self._spent(tail, oldest, self._most(commands, way))[1]
 
     @property
     def first_tail(self):
         """After commands of 0."""
-        return sum(self.rest[self.n]) / (1 - self.keep) * max(self.net, 0.0) if self.lag else 0.0
+        return max(self.net, 0.0)
 
     @property
-    def _mixes(self):
-        """True if the newest command may act while the one before still does."""
-        return self.J > 0
+    def tail_unit(self):
+        """What the product keeps for a tail of 1: behind a constant lag, what is left of it [s]."""
+        if self.fast is not None:
+            return 1.0
+        return self.lag * math.exp((self.hi + self.L - self.n * self.T) / self.lag)
+
+    def _push(self, force):
+        return np.maximum(force + self.net, 0.0)
+
+    def _most(self, sent, way):
+        return lambda which: np.maximum.reduce([self._push(way * sent[j - 1]) for j in which])
 
     def _of_mixed(self, force):
-        return (
-            min(force, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
-            if self._mixes
-            else force
-        )
+        """A force, or less where the newest command may act while the one before still does."""
+        if self.J == 0 and self.fast is None:
+            return force
+        return min(force, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)
 
-    def _room(self, y, spent, way):
-        """Momentum to the limit, less what is ``spent`` from the mean and from rest."""
-        return np.minimum(
-            self.M_min * (self.u1 - np.maximum(way * y + self.nbar, self.f_speed)) - spent[0],
-            self.M_min * (self.u1 - self.f_speed) - spent[1],
-        )
+    def _pieces(self, count):
+        """Commands and ages [s] of every piece of ``count`` commands, the oldest first."""
+        items = []
+        for j in range(count, 0, -1):
+            over = (j - 1) * self.T
+            items.append(((j,), j * self.T - self.hi, over - self.lo))
+            if j > 1:
+                items.append(((j, j - 1), over - self.lo, over - self.hi))
+        return items
 
-    def _force(self, m):
-        """Force whose push is ``m``, as large as may be sent."""
-        m = np.where(m < 0, m * self.M_max / (self.T * self.M_min * self.alpha), m)
-        return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
+    def _spent(self, z, pieces, push):
+        """Momentum that a push behind the lag takes of the mean and from rest, and its last."""
+        spent = [0.0, 0.0]
+        for which, begin, end in pieces:
+            if begin - end > 1e-12:
+                at = self._behind(z, push(which), begin)
+                spent = [spent[i] + self._integral(at, begin, end, i == 0) for i in (0, 1)]
+                z = at(end)
+        return spent, z
 
     @property
-    def _share(self):
-        if not (self.lag and self.window):
-            return 1.0
-        return self.lag / self.window * -math.expm1(-self.window / self.lag)
+    def _quick(self):
+        return self.lag if self.fast is None else self.fast
 
-    def _group(self, j, g):
-        begin, sure, over = (
-            j * self.T - self.hi,
-            (j - 1) * self.T - self.lo,
-            (j - 1) * self.T - self.hi,
+    def _behind(self, z, p, begin):
+        """A push p behind the lag, which was z at an age, as a function of the age."""
+        falls, rises = np.maximum(z - p, 0.0), np.maximum(p - z, 0.0)
+        return lambda s: (
+            p + falls * _left(begin - s, self.lag) - rises * _left(begin - s, self._quick)
         )
-        return g(sure) - g(begin), g(over) - g(sure)
 
-    def _h(self, x):
-        if x <= 0:
-            return self.lag - x
-        return self.lag * math.exp(-x / self.lag) if self.lag else 0.0
+    def _integral(self, at, begin, end, averaged):
+        """Of what ``at`` gives with the share of ages that count, cut where that has a corner."""
+        cuts = sorted({begin, end, *(s for s in (self.age, self.L) if end < s < begin)})
+        total = 0.0
+        for low, high in pairwise(cuts):
+            s = (low + high) / 2 + (high - low) / 2 * NODES[:, None]
+            share = (s <= self.L) * 1.0
+            if averaged and self.window:
+                share = np.clip((self.L - s) / self.window, 0.0, 1.0)
+            total = total + (high - low) / 2 * (SHARES @ (share * at(s)))
+        return total
 
-    def _k(self, x):
-        if x <= 0:
-            return self.lag * x - x * x / 2
-        return -(self.lag**2) * math.expm1(-x / self.lag) if self.lag else 0.0
+
+def _left(time, lag):
+    """Share that is left behind a lag after a time."""
+    return np.exp(-time / lag) if lag else (time == 0) * 1.0

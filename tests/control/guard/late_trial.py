@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
 from tests.control.guard.exact_axis import PARTS, Robots
 from tests.control.guard.late_formula import LateGuard
-from tests.control.guard.varying_formula import VaryingGuard
 from tests.tables import changes
 from wmr_ctrl.control.controller import guard as guard_system
 from wmr_ctrl.control.guard.refusals import feasible_guard
@@ -57,15 +56,13 @@ class Case:
         setup, share = self.setup, (1.0, 0.2)[axis]
         stated = setup.guard
         count = max(item.roundings for item in stated.lateness(setup.scenario.clock))
-        kind = LateGuard
-        if self.fast is not None:
-            kind = partial(VaryingGuard, fast=self.fast * self.T)
-        return kind(
+        return LateGuard(
             T=self.T, u1=LIMITS[axis] * (1 - 2.0**-44 * (1 + count)), M_min=share * self.M_min,
             M_max=share * 70.0, net=share * (self.dbar - self.f_min), nbar=self.nbar,
             f_speed=self.f_speed, brake=stated.brake[axis], alpha=self.alpha / self.T,
             age=self.age * self.T, window=self.window * self.T, lo=self.lo * self.T,
             hi=self.hi * self.T, lag=self.lag * self.T,
+            fast=None if self.fast is None else self.fast * self.T,
         )  # fmt: skip
 
 
@@ -182,7 +179,8 @@ def trial(
             [torque[0] + torque[1], robot.l * (torque[0] - torque[1])]
         ) / robot.r  # fmt: skip
         if compare:
-            apart = max(apart, _difference(formulas, tails, sent, y, asked, force))
+            free = np.abs(torque).max(axis=0) < 0.999 * (case.tau_max or np.inf)
+            apart = max(apart, _difference(formulas, tails, sent, y, asked, force, free))
         blamed = max(blamed, float((watched[2:4] / (share * case.dbar)).max()))
         sent = [force, *sent[:-1]]
         later = np.where(draw.random(lanes) < mean_late, real.hi, real.lo)
@@ -239,15 +237,15 @@ def _ways(draw, lanes, samples):
     return way
 
 
-def _difference(formulas, tails, sent, y, asked, force):
-    """How far the product's force is from the formula's; the tails go on."""
+def _difference(formulas, tails, sent, y, asked, force, free):
+    """How far the product's force is from the formula's where wheels are ``free``; tails go on."""
     apart = 0.0
     for axis, item in enumerate(formulas):
         own = [each[axis] for each in sent]
         hi = item.hi_of(y[axis], own, tails[axis][0], 1.0)
         lo = -item.hi_of(y[axis], own, tails[axis][1], -1.0)
         assert (lo <= hi + 1e-9 * item.M_min * item.u1 / item.T).all()
-        apart = max(apart, np.abs(np.clip(asked[axis], lo, hi) - force[axis]).max())
+        apart = max(apart, (free * np.abs(np.clip(asked[axis], lo, hi) - force[axis])).max())
         commands = [force[axis], *own]
         tails[axis] = [
             item.next_tail(tail, commands, way)

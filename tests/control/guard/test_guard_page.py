@@ -12,11 +12,6 @@ import pytest
 
 from tests.control.guard.late_trial import LIMITS, Case, Thrown, composed, trial
 from tests.control.guard.test_lateness_any import returned
-from tests.tables import changes
-from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ScenarioError
-from wmr_ctrl.world.model.evaluate import evaluated
-from wmr_ctrl.world.scenario import load_scenario
 
 ROBOTS = 150
 PUSHED = Case(dbar=60.0)
@@ -51,30 +46,20 @@ def test_outside_comes_back_in_time_and_not_through_the_other_side(name):
 
 
 @pytest.mark.parametrize("name", ["10 ms", "100 ms"])
-def test_a_refused_force_could_leave_the_limit(name):
-    """4: for some admissible mass, push and friction, with alpha = 1/T and exact measurement.
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_refused_force_could_leave_the_limit(name, way):
+    """4: with alpha = 1/T and exact measurement, the lightest robot that is pushed just reaches it.
 
     Friction may stop at once a robot that moves the other way, and then vanish.
     """
-    case, draw = CASES[name], np.random.default_rng(5)
-    share, top = np.array([[1.0], [0.2]]), LIMITS[:, None]
-    v = draw.uniform(-1, 1, (2, ROBOTS)) * top
-    wanted = 10.0 ** draw.uniform(0, 5, (2, ROBOTS)) * draw.choice([-1.0, 1.0], (2, ROBOTS))
-    system, step = composed(case)
-    x, p = (np.tile(row, (ROBOTS, 1)) for row in (system.x0, system.p0))
-    _, (right, left), _ = evaluated(step.map(ROBOTS), np.vstack([wanted, v]).T, x, p)
-    robot = case.setup.scenario.robot
-    forces = np.array([right + left, robot.l * (right - left)]) / robot.r
-
-    cut = (np.abs(wanted - forces) > 1e-6 * np.abs(wanted)) & (np.abs(wanted) > np.abs(forces))
-    out, push = np.sign(wanted), share * case.dbar
-    for factor, leaves in ((1 + 1e-6, True), (1 - 1e-6, False)):
-        tried = forces + out * ((factor - 1) * np.maximum(np.abs(forces), push) + push)
-        start = out * np.maximum(out * v, 0.0)
-        speeds = [np.abs(start + case.T * tried / (share * mass)) for mass in (case.M_min, 70.0)]
-        beyond = np.maximum(*speeds) > top * (1 + 1e-12)
-        assert beyond[cut].all() if leaves else not beyond[cut].any()
-    assert cut.sum() > ROBOTS / 2
+    case, (system, step) = CASES[name], composed(CASES[name])
+    share, robot = np.array([1.0, 0.2]), case.setup.scenario.robot
+    for v in np.linspace(-1, 1, 20)[:, None] * LIMITS:
+        right, left = step([way * 1e6, way * 1e6, *v], system.x0, system.p0)[1].full().ravel()
+        force = np.array([right + left, robot.l * (right - left)]) / robot.r
+        pushed = way * force + share * case.dbar
+        reached = np.maximum(way * v, 0) + case.T * pushed / (share * case.M_min)
+        assert reached == pytest.approx(LIMITS, rel=1e-9)
 
 
 @every_case
@@ -86,29 +71,6 @@ def test_a_broken_bound_costs_what_it_says(name):
 
     assert (found.fastest * LIMITS <= most * (1 + 1e-9)).all()
     assert (found.fastest > 1).any()
-
-
-@pytest.mark.parametrize(
-    "broken",
-    [
-        "clock.control = 0.246; clock.duration = 24.6",
-        "guard.nbar = [0.51, 0]",
-        "guard.alpha = 100.1",
-        f"actuator.tau_max = {0.99 * (60 + 15 / 0.25) * 0.1 / 2}",
-    ],
-)
-def test_what_cannot_hold_is_refused_with_the_number(broken):
-    """The inequalities of the page, just met and just missed: 2 dbar <= M_min u1/T on axis 2."""
-    stated = changes("""
-        changes = []
-        guard.M_min = [45, 4.86]
-        guard.M_max = [71.5, 7.7]
-        guard.dbar = [60, 15]
-    """)
-    met = stated | changes("clock.control = 0.24; clock.duration = 24")
-    settle(load_scenario("safe-simulation", met), None)
-    with pytest.raises(ScenarioError, match="guard"):
-        settle(load_scenario("safe-simulation", stated | changes(broken)), None)
 
 
 def test_the_page_has_no_guarantee_that_is_not_tried_here():

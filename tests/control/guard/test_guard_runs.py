@@ -35,7 +35,7 @@ def gap(first, second):
     changes("actuator.lag = 0.02; actuator.delay = 0.013"),
     changes("initial.velocity = [1.3, 2.0]"),
 ])  # fmt: skip
-@pytest.mark.slow_but("changed0")
+@pytest.mark.slow_but("changed0", "changed2")
 def test_every_option_means_what_the_oracle_takes_it_for(changed):
     """prox reads the torque that was applied, so it sees delay and lag."""
     native, slow = (

@@ -1,4 +1,4 @@
-"""Any numbers at once behind late velocities, jitter and lag: inside, broken bounds, outside."""
+"""Any numbers at once behind late velocities, jitter and lag: robots outside come back."""
 
 import math
 from dataclasses import replace
@@ -8,8 +8,6 @@ import pytest
 
 from tests.control.guard.exact_axis import PARTS
 from tests.control.guard.late_trial import LIMITS, Case, Thrown, trial
-
-some_seeds = pytest.mark.parametrize("seed", [0, 1, 37, 73, 109])
 
 
 def any_case(seed):
@@ -42,14 +40,8 @@ def any_case(seed):
     return replace(case, dbar=net + f_min, f_min=f_min, brake=brake)
 
 
-@some_seeds
-@pytest.mark.slow_but("1")
-def test_inside_stays_inside(seed):
-    assert (trial(any_case(seed), 150, 40, seed, compare=False).fastest <= 1).all()
-
-
-@some_seeds
-@pytest.mark.slow_but("1")
+@pytest.mark.parametrize("seed", [0, 1, 37, 73, 109])
+@pytest.mark.slow_but("1", "37", "73")
 def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(seed):
     """Pushed by several times dbar for some samples, or started outside, always the same way."""
     case, draw = any_case(seed), np.random.default_rng(seed + 10_000)
@@ -59,14 +51,11 @@ def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(se
     else:
         count = int(draw.integers(1, 6))
         thrown = Thrown(way, times=float(draw.uniform(2, 12)), samples=count)
-    found = trial(case, 100, 80, seed, compare=False, thrown=thrown)
+    found = trial(case, 100, 80, seed, thrown=thrown)
 
-    for axis, formula in enumerate(formulas(case)):
-        returned(found, axis, formula, thrown)
-
-
-def formulas(case):
-    return case.formula(0), case.formula(1)
+    assert found.apart < 1e-11 * case.M_min / case.T
+    for axis in (0, 1):
+        returned(found, axis, case.formula(axis), thrown)
 
 
 def returned(found, axis, f, thrown):

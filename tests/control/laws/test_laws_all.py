@@ -5,7 +5,6 @@ import tomllib
 import numpy as np
 import pytest
 
-from tests.tables import changes
 from wmr_ctrl.control.controller import controller, law_graph
 from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.control.setup import gains_of, settle
@@ -53,49 +52,19 @@ def test_parameters_are_named_once_by_their_scenario_key(law):
     names = [item.signal.name for item in params]
 
     assert len(names) == len(set(names))
-    assert {name.split(".")[0] for name in names} <= {
-        "robot",
-        "model",
-        "limits",
-        "gains",
-        "clock",
-        "actuator",
-        "guard",
-    }
-    assert all(
-        item.signal.unit and item.signal.meaning
-        for item in controller(settle(SCENARIO, law)).params
-    )
-
-
-@every_law
-@pytest.mark.slow_but("nn")
-def test_mirror_symmetry(law):
-    """A world seen in a mirror: the thrust stays, the moment changes sign."""
-    system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(1)
-    flip = np.array([-1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1, -1.0])  # x, theta, v2 change sign
-    for _ in range(100):
-        u = inputs(draw)
-        force, mirrored = sample(system, u)[1], sample(system, flip * u)[1]
-        assert mirrored == pytest.approx(
-            force * (1, -1), rel=1e-9, abs=1e-9 * (1 + abs(force).max())
-        )
+    roots = {name.split(".")[0] for name in names}
+    assert roots <= {"robot", "model", "limits", "gains", "clock", "actuator", "guard"}
+    assert all(item.signal.unit and item.signal.meaning for item in params)
 
 
 @every_law
 @pytest.mark.slow_but("mb", "nn", "prox")
-def test_only_the_difference_of_headings_and_positions_matters(law):
-    """Turning and shifting the whole plane changes nothing."""
+def test_a_whole_turn_of_the_heading_changes_nothing(law):
     system, draw = law_graph(settle(SCENARIO, law)), np.random.default_rng(2)
-    for _ in range(50):
+    for way in (1, -1):
         u = inputs(draw)
-        angle, shift = draw.uniform(-3, 3), draw.normal(size=2)
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        moved = u.copy()
-        for at in (0, 7):
-            moved[at : at + 2] = turn @ u[at : at + 2] + shift
-            moved[at + 2] += angle
-        assert sample(system, moved)[1] == pytest.approx(sample(system, u)[1], rel=1e-6, abs=1e-6)
+        turned = u + way * 2 * np.pi * (np.arange(12) == 9)
+        assert sample(system, turned)[1] == pytest.approx(sample(system, u)[1], rel=1e-6, abs=1e-6)
 
 
 @every_law
@@ -149,19 +118,3 @@ def test_feedforward_is_not_dropped_at_the_target():
     friction = 0.08 * 50.0 * 9.81 * np.tanh(0.2 / 0.01)
 
     assert sample(system, u)[1] == pytest.approx([50.0 * 0.7 + friction, 5.4 * -0.4], rel=1e-12)
-
-
-def test_the_semi_implicit_step_leaks_at_its_end():
-    """(W+ - W)/T = -Gamma (S w + sigma W+): the explicit step but for its leak."""
-    leaking = changes("gains.nn.sigma = [20.0, 30.0]; gains.nn.Gamma = [2.0, 3.0]")
-    explicit, implicit = (
-        law_graph(settle(load_scenario("paper-simulation", {**leaking, **more}), "nn"))
-        for more in ({}, {"gains.nn.integrator": "semi-implicit"})
-    )
-    draw = np.random.default_rng(3)
-    old = draw.normal(size=len(explicit.x0))
-    u, T = inputs(draw), SCENARIO.clock.control
-    now, then = (sample(system, u, old)[0] for system in (explicit, implicit))
-    leak = np.repeat(T * np.array([20.0, 30.0]) * [2.0, 3.0], len(old) // 2)
-
-    assert then * (1 + leak) == pytest.approx(now + leak * old, rel=1e-12)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from tests.control.laws.points import assert_twin
+from tests.tables import changes
 from wmr_ctrl.control.laws.nn import corner_basis, dot
 from wmr_proofs.paper_functions import corner_centres, gaussian_basis
 
@@ -42,6 +43,8 @@ def test_far_away_the_network_is_off_not_broken(far):
 
 def test_its_force_and_weights_are_those_of_its_formulas():
     assert_twin("nn", 40)
+    leaking = changes("gains.nn.sigma = [20, 30]; gains.nn.integrator = semi-implicit")
+    assert_twin("nn", 40, **leaking)
 
 
 def test_lanes_do_not_change_the_inner_product():

@@ -1,38 +1,35 @@
-"""Find certificates for `wmr_proofs.check` by z3 and flint: ``python -m wmr_proofs.find ID``.
+"""Finds certificates for `wmr_proofs.check`: ``python -m tests.proofs.find ID``; by z3 and flint.
 
 Nothing here is trusted.  A model of z3 says which choice is violated: that one is split.  Where z3
 says that the facts of a case contradict each other, a few of them that do so are looked for, and
 products of these that add up to 0, by exact linear programming.  What a case does not need of its
-condition closes the other cases as well.  ``python -m tests.proofs.record ID`` then enters what was
-found in the ledger.
+condition closes the other cases as well.
 """
-
-from __future__ import annotations
 
 import argparse
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from math import prod
 from time import process_time
-from typing import Any, TypeAlias
 
 import z3
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
-from wmr_ctrl.results.ledger import REFUTED, Entry, load
-
-from .certificates import FOLDER, obligations_of, save, words_hash
-from .check import (
+from tests.proofs.kept_certificates import forget_others, save, words_hash
+from tests.proofs.record import merged, record
+from wmr_ctrl.results.ledger import REFUTED, Ledger, load
+from wmr_proofs.certificates import (
+    FOLDER,
+    obligations_of,
+    with_certificate,
+)
+from wmr_proofs.check import (
     WORK,
     Case,
     Choice,
     Fact,
-    Formula,
     Join,
-    Monomial,
-    Polynomial,
     Problem,
     Quotient,
     Refused,
@@ -48,16 +45,9 @@ from .check import (
     unpacked,
     var,
 )
-from .claim import Claim
-from .claims import all_claims
-from .methods.obligations import Obligation, uses_z3
-from .runner import selected
-
-Facts: TypeAlias = Mapping[str, Fact]
-Node: TypeAlias = list[Any]
-"""Of a tree, as `check` has it."""
-Used: TypeAlias = tuple[Any, ...]
-"""Names of the facts in a product, or of an equation and the monomial of its multiple."""
+from wmr_proofs.claims import all_claims
+from wmr_proofs.methods.obligations import uses_z3
+from wmr_proofs.runner import selected
 
 ROOT = "~"
 """Begins the name of a square in a search."""
@@ -75,7 +65,7 @@ class NotFound(Exception):  # noqa: N818
     """No certificate is found in this way, or in time."""
 
 
-def proof(text: str, seconds: float = SECONDS) -> Node:
+def proof(text, seconds=SECONDS):
     """A tree that refutes an obligation; NotFound where none is found in time."""
     WORK.left = 10**15
     problem = Problem(text)
@@ -83,7 +73,7 @@ def proof(text: str, seconds: float = SECONDS) -> Node:
     return Search(end).tree(Case(problem, problem.facts, {}, {}))
 
 
-def point(text: str, known: Mapping[str, str]) -> dict[str, str]:
+def point(text, known):
     """Rational numbers for all symbols at which an obligation holds, if possible with these."""
     symbols, asserted = Problem(text).symbols, z3.parse_smt2_string(text)
     given = [_real(name) == z3.RealVal(value) for name, value in known.items()
@@ -101,18 +91,18 @@ def point(text: str, known: Mapping[str, str]) -> dict[str, str]:
     raise NotFound("no point of rational numbers")
 
 
-def _real(name: str) -> Any:
+def _real(name):
     return z3.Real(name.strip("|"))
 
 
 class Search:
     """A search that ends in time."""
 
-    def __init__(self, end: float) -> None:
+    def __init__(self, end):
         self.end = end
-        self.good: list[tuple[frozenset[Any], int]] = []
+        self.good = []
 
-    def tree(self, case: Case, depth: int = 0) -> Node:
+    def tree(self, case, depth=0):
         """A tree that refutes a case."""
         if depth > DEPTH:
             raise NotFound("too many cases within cases")
@@ -128,7 +118,7 @@ class Search:
                 node = ["den", number, sign, total, node]
         return node
 
-    def _node(self, case: Case, facts: Facts, depth: int) -> Node:
+    def _node(self, case, facts, depth):
         found = self._sum(facts, 1)
         for used, degree in self.good if found is None else ():
             if found is None and used <= set(facts):
@@ -142,7 +132,7 @@ class Search:
                 return found
         return self._split(case, facts, model, depth)
 
-    def _closed(self, facts: Facts, degrees: Iterable[int] = range(2, 4)) -> Node | None:
+    def _closed(self, facts, degrees=range(2, 4)):
         """A sum of facts that z3 finds to contradict each other."""
         few = self._core(facts)
         unknowns = set[str]().union(*(names(fact.poly) for fact in few.values()))
@@ -161,7 +151,7 @@ class Search:
                     return found
         return None
 
-    def _core(self, facts: Facts) -> dict[str, Fact]:
+    def _core(self, facts):
         """Few facts that contradict each other."""
         kept, size = list(facts), max(1, len(facts) // 2)
         while size:
@@ -175,7 +165,7 @@ class Search:
             size //= 2
         return {name: facts[name] for name in kept}
 
-    def _signs(self, case: Case, facts: Facts) -> Iterator[tuple[int, int, Node]]:
+    def _signs(self, case, facts):
         """Quotients whose denominators have a sign, each with a sum that shows it."""
         seen = set(case.signs)
         for number, atom in enumerate(case.problem.atoms):
@@ -191,7 +181,7 @@ class Search:
                     yield number, sign, total
                     break
 
-    def _contradicted(self, facts: Facts) -> Node | None:
+    def _contradicted(self, facts):
         unknowns = names(facts["*"].poly)
         near = {name: fact for name, fact in facts.items() if names(fact.poly) <= unknowns}
         for degree in (1, 2):
@@ -201,15 +191,15 @@ class Search:
         answer, _ = self._asked(facts.values(), SOON)
         return self._closed(facts) if answer == z3.unsat else None
 
-    def _split(self, case: Case, facts: Facts, model: Any, depth: int) -> Node:
+    def _split(self, case, facts, model, depth):
         """The cases of a choice, or of a disjunction, which a model violates if there is one."""
         atoms = case.problem.atoms
         read = {name for fact in facts.values() for name in names(fact.poly)}
 
-        def holds(formula: Formula) -> bool:
+        def holds(formula):
             return z3.is_true(model.eval(_formula(_plain(case, formula)), model_completion=True))
 
-        def is_violated(number: int, choice: Choice) -> bool:
+        def is_violated(number, choice):
             value = choice.yes if holds(choice.condition) else choice.no
             return not holds(Fact(add(var(f"?{number}"), value, -1), "="))
 
@@ -235,7 +225,7 @@ class Search:
             ["ite", number], case, [case.taking(number, yes) for yes in (True, False)], depth
         )
 
-    def _by_sign(self, case: Case, facts: Facts, depth: int) -> Node:
+    def _by_sign(self, case, facts, depth):
         """The cases of a sign, of a factor of facts that contradict each other or of an unknown.
 
         Where all have one, a sum of products of more facts.
@@ -255,7 +245,7 @@ class Search:
         cases = [case.having(name, cut), case.having(name, negated(cut))]
         return self._cases(["cut", name, _told(cut.poly)], case, cases, depth)
 
-    def _of_either_sign(self, polys: Iterable[Polynomial], facts: Facts) -> Polynomial | None:
+    def _of_either_sign(self, polys, facts):
         """The first of these whose sign no sum of facts shows; None if there is none."""
         for p in polys:
             sides = (Fact(add({}, p, sign), ">") for sign in (1, -1))
@@ -263,7 +253,7 @@ class Search:
                 return p
         return None
 
-    def _cases(self, head: Node, case: Case, cases: Iterable[Case], depth: int) -> Node:
+    def _cases(self, head, case, cases, depth):
         for part in cases:
             node = self.tree(part, depth + 1)
             if _refutes(case, node):
@@ -271,7 +261,7 @@ class Search:
             head.append(node)
         return head
 
-    def _asked(self, facts: Iterable[Fact], work: int) -> tuple[Any, Any]:
+    def _asked(self, facts, work):
         """z3's answer and model."""
         if process_time() > self.end:
             raise NotFound("out of time")
@@ -284,7 +274,7 @@ class Search:
                 return answer, solver.model() if answer == z3.sat else None
         return z3.unknown, None
 
-    def _sum(self, facts: Facts, degree: int) -> Node | None:
+    def _sum(self, facts, degree):
         """A sum of products of at most ``degree`` facts and of multiples of equations."""
         if process_time() > self.end:
             raise NotFound("out of time")
@@ -302,11 +292,11 @@ class Search:
                     return found
         return None
 
-    def _program(self, polys: Mapping[Used, Polynomial], above: Mapping[Used, bool]) -> Node | None:
+    def _program(self, polys, above):
         """A sum of shares of these, by exact linear programming; those in ``above`` >= 0."""
         if process_time() > self.end:
             raise NotFound("out of time")
-        rows = dict[Any, list[Any]]()
+        rows = {}
         solver = z3.SolverFor("QF_LRA")
         solver.set("rlimit", LATER)
         shares = {known: z3.Real(f"x{k}") for k, known in enumerate(polys)}
@@ -320,19 +310,19 @@ class Search:
             return None
         model = solver.model()
         value = {known: model.eval(share, True).as_fraction() for known, share in shares.items()}
-        equations = dict[Any, Polynomial]()
+        equations = {}
         for known in (known for known in polys if known not in above):
             equations.setdefault(known[0], {})[known[1]] = value[known]
         told = [[name, _told(p)] for name, p in equations.items() if any(p.values())]
         return ["sum", [_item(value[used], used) for used in above if value[used]], told]
 
 
-def _facts(case: Case) -> dict[str, Fact]:
+def _facts(case):
     return {name: case.fact(name) for name, formula in case.facts.items()
             if isinstance(formula, Fact)}  # fmt: skip
 
 
-def _refutes(case: Case, node: Node) -> bool:
+def _refutes(case, node):
     try:
         case.refuted(node)
     except Refused:
@@ -340,13 +330,13 @@ def _refutes(case: Case, node: Node) -> bool:
     return True
 
 
-def _plain(case: Case, formula: Formula) -> Formula:
+def _plain(case, formula):
     if isinstance(formula, Fact):
         return Fact(case.plain(formula.poly), formula.kind)
     return Join(formula.word, tuple(_plain(case, part) for part in formula.parts))
 
 
-def _waits(case: Case, condition: Formula) -> bool:
+def _waits(case, condition):
     """True if a condition reads choices that are open."""
     if isinstance(condition, Join):
         return any(_waits(case, part) for part in condition.parts)
@@ -354,7 +344,7 @@ def _waits(case: Case, condition: Formula) -> bool:
     return any(isinstance(case.problem.atoms[number], Choice) for number in left)
 
 
-def _formula(formula: Formula) -> Any:
+def _formula(formula):
     """A formula for z3."""
     if isinstance(formula, Join):
         parts = [_formula(part) for part in formula.parts]
@@ -368,7 +358,7 @@ def _formula(formula: Formula) -> Any:
     return {"=": value == 0, ">": value > 0, ">=": value >= 0}[formula.kind]
 
 
-def _squares(facts: Facts) -> dict[str, Fact]:
+def _squares(facts):
     """Squares that are perhaps completed in a fact; their roots are their names."""
     roots = []
     for p, _ in facts.values():
@@ -379,7 +369,7 @@ def _squares(facts: Facts) -> dict[str, Fact]:
     return {name: Fact(mul(root, root), ">=") for name, root in zip(told, roots, strict=True)}
 
 
-def _derivative(p: Polynomial, name: str) -> Polynomial:
+def _derivative(p, name):
     total = {}
     for m, c in p.items():
         rest = _rest(m, ((name, 1),))
@@ -388,7 +378,7 @@ def _derivative(p: Polynomial, name: str) -> Polynomial:
     return total
 
 
-def _factors(p: Polynomial) -> list[Polynomial]:
+def _factors(p):
     """Factors of a polynomial that has several, with coefficients of their own."""
     unknowns = sorted(names(p))
     ring = fmpq_mpoly_ctx.get(unknowns or ["x"], Ordering.lex)
@@ -403,17 +393,17 @@ def _factors(p: Polynomial) -> list[Polynomial]:
     ]  # fmt: skip
 
 
-def _item(share: object, used: Used) -> Node:
+def _item(share, used):
     """A product as a certificate has it."""
     roots = [json.loads(name[1:]) for name in used if name.startswith(ROOT)]
     facts = [name for name in used if not name.startswith(ROOT)]
     return [str(share), facts, roots] if roots else [str(share), facts]
 
 
-def _products(facts: Facts, degree: int) -> dict[Used, tuple[Polynomial, bool]]:
+def _products(facts, degree):
     """Products of inequalities, and whether they are above 0."""
     above = {name: fact for name, fact in facts.items() if fact.kind != "="}
-    level: dict[Used, tuple[Polynomial, bool]] = {(): (const(1), True)}
+    level = {(): (const(1), True)}
     found = dict(level)
     for _ in range(degree):
         if len(found) > EVERY:
@@ -428,9 +418,7 @@ def _products(facts: Facts, degree: int) -> dict[Used, tuple[Polynomial, bool]]:
     return found
 
 
-def _multiples(
-    facts: Facts, products: Mapping[Used, tuple[Polynomial, bool]], degree: int
-) -> dict[Used, Polynomial]:
+def _multiples(facts, products, degree):
     """Multiples of equations that have a monomial in common with products."""
     equations = {name: fact.poly for name, fact in facts.items() if fact.kind == "="}
     found = {}
@@ -444,7 +432,7 @@ def _multiples(
     return found
 
 
-def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
+def _rest(whole, part):
     """The quotient of two monomials if it is one."""
     powers = dict(whole)
     for name, power in part:
@@ -454,9 +442,7 @@ def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
     return tuple((name, power) for name, power in sorted(powers.items()) if power)
 
 
-def _able_to_cancel(
-    products: dict[Used, tuple[Polynomial, bool]], multiples: Mapping[Used, Polynomial]
-) -> dict[Used, tuple[Polynomial, bool]]:
+def _able_to_cancel(products, multiples):
     """Products without those of which a monomial occurs with one sign alone."""
     free = {monomial for p in multiples.values() for monomial in p}
     while True:
@@ -468,12 +454,12 @@ def _able_to_cancel(
         products = kept
 
 
-def _linked(polys: Mapping[Used, Polynomial]) -> Iterator[list[Used]]:
+def _linked(polys):
     """Polynomials that share monomials, or are linked by such: sums of others are 0 by parts."""
-    groups = dict[Any, list[Used]]()
+    groups = {}
     for known, p in polys.items():
         touched = {id(groups[m]): groups[m] for m in p if m in groups}
-        group = max(touched.values(), key=len, default=list[Used]())
+        group = max(touched.values(), key=len, default=[])
         group.append(known)
         for other in touched.values():
             if other is not group:
@@ -484,20 +470,20 @@ def _linked(polys: Mapping[Used, Polynomial]) -> Iterator[list[Used]]:
     yield from {id(group): group for group in groups.values()}.values()
 
 
-def _told(p: Polynomial) -> Node:
+def _told(p):
     """A polynomial as a certificate has it."""
     return [[str(c), *(x for pair in m for x in pair)] for m, c in sorted(p.items()) if c]
 
 
 @cache
-def committed() -> dict[str, Any]:
+def committed():
     """Every certificate by its obligation, without the lines that name it."""
     files = FOLDER.glob("*.json.xz")
     pairs = (pair for path in files for pair in unpacked(path).values())
     return {text.split("\n", 2)[2]: certificate for text, certificate in pairs}
 
 
-def find(claim: Claim, entry: Entry, seconds: float) -> dict[str, Any]:
+def find(claim, entry, seconds):
     """Certify what can be certified of an entry, save it, and return its row of the index.
 
     What is committed and shows an obligation of today is kept, whatever its name was.
@@ -511,19 +497,13 @@ def find(claim: Claim, entry: Entry, seconds: float) -> dict[str, Any]:
             found[item.name] = [text, certificate]
         shown = digest(certificate) if certificate is not None else ""
         rows.append([item.name, item.wanted, digest(text), shown])
-    row = {
-        "id": claim.id,
-        "verdict": entry.verdict,
-        "claim": words_hash(claim),
-        "obligations": rows,
-    }
+    row = {"id": claim.id, "verdict": entry.verdict, "claim": words_hash(claim)}
+    row |= {"obligations": rows}
     save(row, found)
     return row
 
 
-def _certificate(
-    text: str, item: Obligation, known: Any, entry: Entry, seconds: float
-) -> dict[str, Any] | None:
+def _certificate(text, item, known, entry, seconds):
     """The certificate that is known, if it is one, or another; None if none is found."""
     try:
         if check(text, known) == item.wanted:
@@ -532,26 +512,33 @@ def _certificate(
         pass
     at = entry.counterexample if entry.verdict == REFUTED else entry.satisfied_at
     try:
-        unsat = item.wanted == "unsat"
-        found = {"proof": proof(text, seconds)} if unsat else {"point": point(text, at or {})}
+        if item.wanted == "unsat":
+            found = {"proof": proof(text, seconds)}
+        else:
+            found = {"point": point(text, at or {})}
         return found if check(text, found) == item.wanted else None
     except (NotFound, Refused) as error:
         sys.stderr.write(f"{entry.id}, {item.name}: {error}\n")
         return None
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Find certificates of the entries that are named, and keep them."""
-    parser = argparse.ArgumentParser(prog="python -m wmr_proofs.find", description=__doc__)
+def main(arguments=None):
+    """Find certificates of the entries that are named, and enter them in the ledger."""
+    parser = argparse.ArgumentParser(prog="python -m tests.proofs.find", description=__doc__)
     parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of the processor, for each")
     given = parser.parse_args(arguments)
     wanted, entries = set(selected(given.ids)), load().by_id()
-    for claim in all_claims():
-        if claim.id in wanted & set(entries) and uses_z3(claim.method):
-            rows = find(claim, entries[claim.id], given.seconds)["obligations"]
-            shown = sum(1 for item in rows if item[3])
-            sys.stdout.write(f"{claim.id}: {shown} of {len(rows)}\n")
+    claims = {claim.id: claim for claim in all_claims() if claim.id in wanted & set(entries)}
+    fresh = []
+    for claim in claims.values():
+        if uses_z3(claim.method):
+            row = find(claim, entries[claim.id], given.seconds)
+            shown = sum(1 for item in row["obligations"] if item[3])
+            sys.stdout.write(f"{claim.id}: {shown} of {len(row['obligations'])}\n")
+            fresh.append(with_certificate(claim, entries[claim.id]))
+    forget_others({claim.id for claim in all_claims()})
+    record(merged(Ledger(tuple(fresh)), load()))
 
 
 if __name__ == "__main__":
