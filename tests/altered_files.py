@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-COPIED = ("wmr_ctrl", "wmr_proofs", "fmu", "tests", "pyproject.toml")
+COPIED = ("wmr_ctrl", "wmr_proofs", "fmu", "tests", "benchmarks", "pyproject.toml")
 PROVE = "prove "
 PATIENCE = 300
 """Seconds for the tests of one alteration."""
