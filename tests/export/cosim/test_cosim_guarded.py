@@ -98,20 +98,17 @@ def test_the_guard_keeps_a_foreign_controller_within(foreign, mapped, text, outp
     free = cosimulate(BARE, **given)
     run = cosimulate(SAFE, **given)
 
-    assert free.monitor.violations > 0
-    assert run.monitor.violations == 0
-    assert run.guard
-    assert not free.guard
-    shares = summary(run)["guard_share"]
-    assert 0 < shares[0] <= np.mean(run["t"] < 1.1)
+    assert run.monitor.violations == 0 < free.monitor.violations
+    assert (run.guard, free.guard) == (True, False)
+    assert 0 < summary(run)["guard_share"][0] <= np.mean(run["t"] < 1.1)
     assert (run["feasible"] == 1).all()
     assert np.isfinite(run["d_least"]).all()
     assert np.isnan(free["d_least"]).all()
     quiet = ~run["clip_active"].any(axis=1) & (run["t"] < 1.0) & (run["t"] > 0)
-    wheels = free["tau_right"][5], free["tau_left"][5]
-    assert wheels == pytest.approx((9.0, 3.0), rel=1e-12)  # 120 N and 15 N m at such wheels
-    assert np.abs(run["tau_right"][quiet] - wheels[0]).max(initial=0.0) < 1e-12
-    assert np.abs(run["tau_left"][quiet] - wheels[1]).max(initial=0.0) < 1e-12
+    # 120 N and 15 N m at such wheels
+    for name, torque in (("tau_right", 9.0), ("tau_left", 3.0)):
+        assert free[name][5] == pytest.approx(torque, rel=1e-12)
+        assert np.abs(run[name][quiet] - torque).max(initial=0.0) < 1e-11
 
 
 def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(foreign, mapped):
@@ -122,15 +119,9 @@ def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(foreign, mapped):
         cosimulate(weak, controller=foreign("Eager", BY_TORQUE), map_file=mapped(INPUT + TORQUES))
 
 
-@pytest.mark.parametrize(
-    "on, foreign, bare, apart",
-    [
-        (True, False, False, False), (True, True, False, True), (True, False, True, True),
-        (False, True, False, False),
-    ],
-)  # fmt: skip
-def test_a_guard_steps_by_itself_behind_a_controller_that_has_none(on, foreign, bare, apart):
-    setup = settle(load_scenario("safe-simulation", {"guard.enabled": on}), "mb")
-    case = CosimSetup(setup, setup, setup if bare else None, foreign, {}, {}, at_once=False)
-
-    assert (case.limiter == "guard") is apart
+@pytest.mark.parametrize("foreign, bare", [(False, False), (True, False), (False, True)])
+def test_a_guard_steps_by_itself_behind_a_controller_that_has_none(foreign, bare):
+    for on in (True, False):
+        setup = settle(load_scenario("safe-simulation", {"guard.enabled": on}), "mb")
+        case = CosimSetup(setup, setup, setup if bare else None, foreign, {}, {}, at_once=False)
+        assert (case.limiter == "guard") is (on and (foreign or bare))

@@ -35,8 +35,7 @@ def test_template_lists_every_real_input_and_is_toml(exported, tmp_path, what):
     assert tomllib.loads(text).keys() == {"controller"}
     if what == "mb":
         rows = tomllib.loads(opened)["controller"]
-        assert rows["inputs"]["x_d"] == "x_d"
-        assert rows["outputs"]["tau_right"] == "tau_right"
+        assert (rows["inputs"]["x_d"], rows["outputs"]["tau_right"]) == ("x_d", "tau_right")
 
 
 def test_nothing_is_guessed_of_an_fmu_without_units(foreign, tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.export.cosim.foreign import PLANT
+from tests.tables import cases
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
 from wmr_ctrl.core.fields.named_units import NamedUnit, unit_of
 from wmr_ctrl.export.cosim import cosimulate
@@ -18,19 +19,17 @@ SHORT = load_scenario("paper-simulation-nominal", {"clock.duration": 3.0})
 
 @pytest.mark.parametrize(
     "row",
-    [
-        'x = "v1"',
-        "x = { terms = { theta = 1.0 } }",
-        'v1 = { terms = { theta = 1.0 }, coefficient_unit = "m" }',
-        'x = { terms = { x = 1.0 }, unit = "parsec" }',
-    ],
+    cases("""
+        x = "v1"
+        x = { terms = { x = 1.0 }, unit = "parsec" }
+        x = { terms = { theta = 1.0 } } | slow
+        v1 = { terms = { theta = 1.0 }, coefficient_unit = "m" } | slow
+    """),
 )
-@pytest.mark.slow_but('x = "v1"', 'x = { terms = { x = 1.0 }, unit = "parsec" }')
 def test_units_that_do_not_fit_are_refused(exported, mapped, row):
+    file = mapped(f"[plant.outputs]\n{row}\n")
     with pytest.raises(ArgumentError, match=r"plant\.outputs|parsec"):
-        cosimulate(
-            SHORT, "pid", plant=exported("plant", 2), map_file=mapped(f"[plant.outputs]\n{row}\n")
-        )
+        cosimulate(SHORT, "pid", plant=exported("plant", 2), map_file=file)
 
 
 @pytest.mark.parametrize(
@@ -73,8 +72,8 @@ def test_units_may_be_those_of_the_si(foreign, mapped):
     text = UNSTATED.format(units='units = "SI"', omega='{ terms = { wheelL = 1.0 }, unit = "rpm" }')
     part = load_map(mapped(text))["plant"]
     rows = output_rows(part, file.unit, "plant")
-    assert [row.terms[0][1] == 1.0 and not row.offset for row in rows] == [True] * 4 + [False]
-    assert rows[-1].terms == (("wheelL", pytest.approx(np.pi / 30)),)
+    assert [row.offset for row in rows] == [0.0] * 5
+    assert [row.terms[0][1] for row in rows] == [1.0] * 4 + [pytest.approx(np.pi / 30)]
     with pytest.raises(ScenarioError, match=r'plant\.units = "mm" is not known'):
         load_map(mapped(text.replace('"SI"', '"mm"')))
 
@@ -94,15 +93,10 @@ def test_units_are_what_the_fmu_defines():
 
 
 def test_a_change_that_the_map_cannot_make_is_refused(exported, mapped):
-    scenario = override(SHORT, {"changes": [{"t": 1.0, "m": 60.0}]})
     rows = "\n".join(f'{n} = "{n}"' for n in ("x", "y", "theta", "v1", "omega"))
+    given = {"plant": exported("plant", 2), "map_file": mapped(f"[plant.outputs]\n{rows}\n")}
     with pytest.raises(ArgumentError, match=r"changes robot\.m"):
-        cosimulate(
-            scenario,
-            "pid",
-            plant=exported("plant", 2),
-            map_file=mapped(f"[plant.outputs]\n{rows}\n"),
-        )
+        cosimulate(override(SHORT, {"changes": [{"t": 1.0, "m": 60.0}]}), "pid", **given)
 
 
 @pytest.mark.parametrize(
@@ -118,60 +112,51 @@ def test_keys_of_a_map_are_told_like_those_of_a_scenario(mapped, text, words):
         load_map(mapped(text))
 
 
+def taken(row):
+    """The input x in m that a row gives."""
+    return input_rows(PartMap(inputs={"x": row}), lambda _: "m", "plant")[0]
+
+
 def test_a_row_of_no_source_is_a_constant_only_if_it_says_which():
     with pytest.raises(ArgumentError, match=r"plant\.inputs\.x: no terms"):
-        input_rows(PartMap(inputs={"x": {"terms": {}}}), lambda _: "m", "plant")
+        taken({"terms": {}})
     for constant in ({"terms": {}, "offset": 2.0}, {"offset": 2}, 2):
-        (row,) = input_rows(PartMap(inputs={"x": constant}), lambda _: "m", "plant")
-        assert (row.terms, row.offset) == ((), 2.0)
+        assert (taken(constant).terms, taken(constant).offset) == ((), 2.0)
+
+
+def test_entries_of_a_map_are_told_like_keys_of_a_scenario():
+    with pytest.raises(ScenarioError, match=r'inputs\.x\.terms\.theta = "far" must be a number'):
+        taken({"terms": {"theta": "far"}})
+    with pytest.raises(ScenarioError, match=r"plant\.inputs\.x\.ofset is not .*near: offset"):
+        taken({"terms": {}, "ofset": 1.0})
 
 
 @pytest.mark.parametrize(
-    "row, words",
-    [
-        ({"terms": {"theta": "far"}}, r'plant\.inputs\.x\.terms\.theta = "far" must be a number'),
-        ({"terms": {}, "ofset": 1.0}, r"plant\.inputs\.x\.ofset is not .*near: offset"),
-    ],
+    "part, takes, gives", [("plant", "tau_applied[1]", "x_d"), ("controller", "torque_right", "v1")]
 )
-def test_entries_of_a_map_are_told_like_keys_of_a_scenario(row, words):
-    with pytest.raises(ScenarioError, match=words):
-        input_rows(PartMap(inputs={"x": row}), lambda _: "m", "plant")
-
-
-@pytest.mark.parametrize(
-    "read, part, row, words",
-    [
-        (input_rows, "plant", "tau_applied[1]", r"plant\.inputs\.theirs can have .* tau_right"),
-        (input_rows, "controller", "torque_right", r"controller\.inputs\.theirs can have"),
-        (output_rows, "plant", "x_d", r"plant\.outputs\.x_d can have"),
-        (output_rows, "controller", "v1", r"controller\.outputs\.v1 can have"),
-    ],
-)
-def test_a_quantity_that_a_part_does_not_have_is_refused(read, part, row, words):
+def test_a_quantity_that_a_part_does_not_have_is_refused(part, takes, gives):
     """It was without effect, or a KeyError in the first step."""
-    given = {"inputs": {"theirs": row}} if read is input_rows else {"outputs": {row: "theirs"}}
-    with pytest.raises(UnknownNameError, match=words):
-        read(PartMap(**given), lambda _: "m", part)
+    with pytest.raises(UnknownNameError, match=rf"{part}\.inputs\.theirs can have"):
+        input_rows(PartMap(inputs={"theirs": takes}), lambda _: "m", part)
+    with pytest.raises(UnknownNameError, match=rf"{part}\.outputs\.{gives} can have"):
+        output_rows(PartMap(outputs={gives: "theirs"}), lambda _: "m", part)
 
 
 @pytest.mark.parametrize(
-    "part, both",
-    [
-        ("plant", ("theta", "psi")),
-        ("plant", ("v1", "w_left")),
-        ("controller", ("tau_left", "force[1]")),
-    ],
+    "part, one, other",
+    cases("plant | theta | psi\nplant | v1 | w_left\ncontroller | tau_left | force[1]"),
 )
-def test_rows_of_which_one_has_no_effect_are_refused(part, both):
-    with pytest.raises(ArgumentError, match=f"both {' and '.join(map(re.escape, both))}"):
-        output_rows(PartMap(outputs=dict.fromkeys(both, "theirs")), lambda _: "m", part)
+def test_rows_of_which_one_has_no_effect_are_refused(part, one, other):
+    with pytest.raises(ArgumentError, match=re.escape(f"both {one} and {other}")):
+        output_rows(PartMap(outputs={one: "theirs", other: "theirs"}), lambda _: "m", part)
 
 
-def test_a_part_of_a_map_without_its_file_is_refused(exported, mapped):
+def test_a_part_of_a_map_without_its_file_or_effect_is_refused(exported, mapped):
+    given = {"plant": exported("plant", 2), "map_file": mapped("[controller]\nstep = 0.01\n")}
     with pytest.raises(ArgumentError, match=r"part \[controller\], and no controller FMU"):
-        cosimulate(
-            SHORT, "pid", plant=exported("plant", 2), map_file=mapped("[controller]\nstep = 0.01\n")
-        )
+        cosimulate(SHORT, "pid", **given)
+    with pytest.raises(ArgumentError, match=r"\[controller\.parameters\] .* has no effect"):
+        load_map(mapped('[controller.parameters]\ngains = "k"\n'))
 
 
 def test_an_array_is_mapped_by_its_elements(exported):

@@ -2,19 +2,15 @@
 
 import pytest
 
+both = pytest.mark.parametrize("version", [2, 3])
 OTHER_LAWS = [
-    pytest.param("pid", 2, marks=pytest.mark.slow),
-    pytest.param("mb", 3, marks=pytest.mark.slow),
-    pytest.param("kanayama", 2, marks=pytest.mark.slow),
+    pytest.param(law, version, marks=pytest.mark.slow)
+    for law, version in (("pid", 2), ("mb", 3), ("kanayama", 2))
 ]
-SOME_FMUS = [
-    ("plant", 2),
-    ("plant", 3),
-    ("reference", 2),
-    ("reference", 3),
+FMUS = [
+    *((what, version) for what in ("plant", "reference", "nn", "guard") for version in (2, 3)),
+    ("closed-loop", 2),
     ("closed-loop", 3),
-    ("nn", 2),
-    ("nn", 3),
+    ("prox", 3),
     *OTHER_LAWS,
 ]
-FMUS = [*SOME_FMUS, ("guard", 2), ("guard", 3), ("closed-loop", 2), ("prox", 3)]

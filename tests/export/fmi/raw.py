@@ -7,26 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fmpy import platform, platform_tuple, read_model_description
+from fmpy import fmi2, fmi3, platform, platform_tuple, read_model_description
 
-OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+OK, WARNING, DISCARD, ERROR = range(4)
 REFUSED = (DISCARD, ERROR)
 CS, ME = "CoSimulation", "ModelExchange"
-LOGGER2 = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p)
 ONE = ct.c_size_t(1)
-LOGGER3 = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_int, ct.c_char_p, ct.c_char_p)
-
-
-class Callbacks(ct.Structure):
-    """fmi2CallbackFunctions."""
-
-    _fields_ = (
-        ("logger", LOGGER2),
-        ("allocate", ct.c_void_p),
-        ("free", ct.c_void_p),
-        ("finished", ct.c_void_p),
-        ("environment", ct.c_void_p),
-    )
 
 
 def reals(*values):
@@ -44,30 +30,28 @@ class Fmu:
         self.path, self.folder, self.version = path, Path(folder), version
         self.description = read_model_description(str(path))
         self.variables = {v.name: v for v in self.description.modelVariables}
+        self.outputs = [n for n, v in self.variables.items() if v.causality == "output"]
+        self.inputs = [n for n, v in self.variables.items() if v.causality == "input"]
+        self.interfaces = [CS] if self.description.modelExchange is None else [CS, ME]
         name = self.description.coSimulation.modelIdentifier
         where = platform if version == 2 else platform_tuple
         self.library = self.folder / "binaries" / where / f"{name}.so"
         self.dll = ct.CDLL(str(self.library))
-        self.prefix = f"fmi{version}"
-        self.real, self.int64 = ("Real", "Integer") if version == 2 else ("Float64", "Int64")
-        self.state = "FMUstate" if version == 2 else "FMUState"
-        self.messages = []
-        self.categories = set()
+        self.real, self.int64, self.state = (
+            ("Real", "Integer", "FMUstate") if version == 2 else ("Float64", "Int64", "FMUState")
+        )
+        self.messages, self.categories = [], set()
 
-        def hear(status, category, text):
+        def hear(*said):
+            status, category, text = said[-3:]
             self.messages.append(text.decode())
             self.categories.add((status, category.decode()))
 
-        self._log2 = LOGGER2(lambda _e, _n, *said: hear(*said))
-        self._log3 = LOGGER3(lambda _e, *said: hear(*said))
-        self._callbacks = Callbacks(logger=self._log2)
-
-    @property
-    def interfaces(self):
-        return [CS, ME] if self.description.modelExchange is not None else [CS]
+        self._log = fmi3.fmi3LogMessageCallback(hear)
+        self._callbacks = fmi2.fmi2CallbackFunctions(logger=fmi2.fmi2CallbackLoggerTYPE(hear))
 
     def __getattr__(self, name):
-        function = getattr(self.dll, self.prefix + name)
+        function = getattr(self.dll, f"fmi{self.version}{name}")
         function.restype = ct.c_void_p if name.startswith("Instantiate") else ct.c_int
         return function
 
@@ -80,23 +64,23 @@ class Fmu:
 
     def instantiate(self, interface=CS, **given):
         """A handle, or None; keywords replace single arguments."""
-        name = given.get("name", b"one")
-        token = given.get("token", self.description.guid.encode())
-        resources = given.get("resources", b"file:///somewhere")
+        usual = {"name": b"one", "token": self.description.guid.encode(), "resources": b"file:///r"}
+        named = tuple((usual | given)[key] for key in usual)
         if self.version == 2:
             callbacks = given.get("callbacks", ct.byref(self._callbacks))
-            return self.Instantiate(name, int(interface == CS), token, resources, callbacks, 0, 0)
-        log = given.get("log", self._log3)
+            name, *others = named
+            return self.Instantiate(name, int(interface == CS), *others, callbacks, 0, 0)
+        log = given.get("log", self._log)
         if interface == ME:
-            return self.InstantiateModelExchange(name, token, resources, False, False, None, log)
+            return self.InstantiateModelExchange(*named, False, False, None, log)
         flags = (False, False, given.get("events", False), given.get("early", False))
         update = None, ct.c_size_t(0), None, log, given.get("update")
-        return self.InstantiateCoSimulation(name, token, resources, *flags, *update)
+        return self.InstantiateCoSimulation(*named, *flags, *update)
 
     def new(self, interface=CS, **given):
         handle = self.instantiate(interface, **given)
         assert handle
-        return Instance(self, ct.c_void_p(handle), interface)
+        return Instance(self, ct.c_void_p(handle))
 
 
 @dataclass
@@ -105,7 +89,6 @@ class Instance:
 
     fmu: Fmu
     handle: Any
-    interface: str
 
     def setup(self, start=0.0, stop=None, tolerance=None):
         """Start time, stop time, tolerance, then initialization mode."""
@@ -122,8 +105,7 @@ class Instance:
         return self.fmu.ExitInitializationMode(self.handle)
 
     def begin(self, start=0.0, stop=None):
-        assert self.setup(start, stop) == OK
-        assert self.leave() == OK
+        assert self.setup(start, stop) == self.leave() == OK
         return self
 
     def step(self, t, h):
@@ -140,32 +122,24 @@ class Instance:
         return self.put_refs([self.fmu.ref(name) for name in values], list(values.values()))
 
     def put_refs(self, listed, values):
-        call, length = getattr(self.fmu, f"Set{self.fmu.real}"), self.fmu.length(len(values))
-        return call(self.handle, refs(*listed), ct.c_size_t(len(listed)), reals(*values), *length)
+        return self._values("Set", listed, reals(*values))
 
     def get_refs(self, listed, count=None):
-        number = len(listed) if count is None else count
-        buffer = reals(*[0.0] * number)
-        call, length = getattr(self.fmu, f"Get{self.fmu.real}"), self.fmu.length(number)
-        status = call(self.handle, refs(*listed), ct.c_size_t(len(listed)), buffer, *length)
-        return status, buffer[:]
+        buffer = reals(*[0.0] * (count or len(listed)))
+        return self._values("Get", listed, buffer), buffer[:]
+
+    def _values(self, verb, listed, buffer):
+        call, length = getattr(self.fmu, verb + self.fmu.real), self.fmu.length(len(buffer))
+        return call(self.handle, refs(*listed), ct.c_size_t(len(listed)), buffer, *length)
 
     def get(self, *names):
         status, values = self.get_refs([self.fmu.ref(name) for name in names])
         assert status == OK
         return values
 
-    def integer(self, name):
-        status, value = self._whole("Get", name, 0)
-        assert status == OK
-        return value
-
-    def put_integer(self, name, value):
-        return self._whole("Set", name, value)[0]
-
-    def _whole(self, verb, name, value):
+    def integer(self, verb, name, value=0):
         """Status of a function of integers, and the number behind its pointer."""
-        call = getattr(self.fmu, f"{verb}{self.fmu.int64}")
+        call = getattr(self.fmu, verb + self.fmu.int64)
         place = ((ct.c_int32 if self.fmu.version == 2 else ct.c_int64) * 1)(value)
         status = call(self.handle, refs(self.fmu.ref(name)), ONE, place, *self.fmu.length(1))
         return status, place[0]
@@ -174,7 +148,7 @@ class Instance:
         """Every real variable's elements."""
         found = []
         for v in self.fmu.description.modelVariables:
-            if v.type in ("Real", "Float64"):
+            if v.type == self.fmu.real:
                 size = int(v.dimensions[0].start) if v.dimensions else 1
                 status, values = self.get_refs([v.valueReference], size)
                 assert status == OK, v.name

@@ -155,18 +155,8 @@ def third():
     yield from never(fractions, *which, zero, zero)
     yield from never("GetIntervalFraction", *which, zero, zero, zero)
     yield from never("ActivateModelPartition", 1, ct.c_double(0))
-    for kind in [
-        "Float32",
-        "Int8",
-        "UInt8",
-        "Int16",
-        "UInt16",
-        "Int32",
-        "UInt32",
-        "UInt64",
-        "Boolean",
-        "String",
-    ]:
+    kinds = "Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 UInt64 Boolean String"
+    for kind in kinds.split():
         yield from never(f"Get{kind} Set{kind}", *which, zero, ONE)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.export.fmi.test_fmi_every_parameter import assert_loop_is
+from tests.export.fmi.test_fmi_equality import assert_loop_is
 from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.export.cosim import cosimulate

@@ -18,35 +18,28 @@ def given(k, names):
     return {name: 0.01 * ((7 * i + 3 * k) % 11 - 5) for i, name in enumerate(names)}
 
 
-def expressions(interface, tag, **having):
-    """Name to C expression of the elements that have these attributes."""
+def expressions(interface, tag, kind=None, key="expression"):
+    """Name to C expression of the elements of a kind."""
     listed = (item.attrib for item in interface.iter(tag))
-    return {i["name"]: i["expression"] for i in listed if having.items() <= i.items()}
+    return {item["name"]: item.get(key) for item in listed if kind in (None, item.get("causality"))}
 
 
 def program(interface):
     """A C program of the description's expressions alone: it prints the outputs of each sample."""
-    functions = {
-        item.attrib["name"]: item.attrib["expression"] for item in interface.iter("Function")
-    }
-    places = {
-        kind: expressions(interface, "Variable", causality=kind)
-        for kind in ("input", "output", "parameter")
-    }
-    lines = [f'#include "{item.attrib["name"]}"' for item in interface.iter("HeaderFile")]
+    functions = expressions(interface, "Function")
+    inputs, outputs, parameters = (
+        expressions(interface, "Variable", kind) for kind in ("input", "output", "parameter")
+    )
+    lines = [f'#include "{name}"' for name in expressions(interface, "HeaderFile")]
     lines += ["#include <stdio.h>", "int main(void) {"]
-    lines += [
-        f"{item.attrib['type']} {item.attrib['name']};" for item in interface.iter("StructVariable")
-    ]
+    structs = expressions(interface, "StructVariable", key="type")
+    lines += [f"{kind} {name};" for name, kind in structs.items()]
     lines += [f"{functions['setDefaults']};", f"{functions['startup']};"]
-    lines += [f"{places['parameter']['robot.r']} *= 1.25;"]
+    lines += [f"{parameters['robot.r']} *= 1.25;"]
     for k in range(STEPS):
-        values = given(k, list(places["input"]))
-        lines += [f"{places['input'][name]} = {value.hex()};" for name, value in values.items()]
+        lines += [f"{inputs[name]} = {value.hex()};" for name, value in given(k, inputs).items()]
         lines += [f"if ({functions['doStep']}) return 1;"]
-        lines += [
-            f'printf("%a %a\\n", {places["output"]["tau_right"]}, {places["output"]["tau_left"]});'
-        ]
+        lines += [f'printf("%a %a\\n", {outputs["tau_right"]}, {outputs["tau_left"]});']
     return "\n".join([*lines, "return 0; }", ""])
 
 
@@ -58,33 +51,27 @@ def test_called_as_described_it_has_the_bits_of_the_fmu(raw, law, scenario):
     fmu = raw(law, 2, scenario)
     folder, interface = fmu.folder / FOLDER, ET.parse(fmu.folder / INTERFACE).getroot()
     (folder / "main.c").write_text(program(interface), "utf-8")
-    units = [item.attrib["name"] for item in interface.iter("SourceFile")]
+    units = expressions(interface, "SourceFile")
     command = [where("gcc"), "-std=c99", "-O1", "-ffp-contract=off", "-o", "main", "main.c", *units]
     finished([*command, "-lm"], cwd=folder)
     printed = finished([folder / "main"]).stdout
-    inputs = list(expressions(interface, "Variable", causality="input"))
+    inputs = list(expressions(interface, "Variable", "input"))
     one, found = fmu.new(), []
     assert one.put({"robot.r": 1.25 * float(fmu.variables["robot.r"].start)}) == OK
     one.begin()
     for k in range(STEPS):
-        assert one.put(given(k, inputs)) == OK
-        assert one.step(k * PERIOD, PERIOD) == OK
-        found.append([value.hex() for value in one.get("tau_right", "tau_left")])
-    wanted = [[float.fromhex(x).hex() for x in line.split()] for line in printed.splitlines()]
-    assert found == wanted
+        assert (one.put(given(k, inputs)), one.step(k * PERIOD, PERIOD)) == (OK, OK)
+        found.append(one.get("tau_right", "tau_left"))
+    assert found == [[float.fromhex(x) for x in line.split()] for line in printed.splitlines()]
 
 
 def test_its_variables_are_the_fmus_and_the_description_says_where(raw):
     fmu = raw("nn", 3)
     interface = ET.parse(fmu.folder / INTERFACE).getroot()
     files = {path.name for path in (fmu.folder / FOLDER).rglob("*")}
-    needed = {
-        item.attrib["name"]
-        for kind in ("SourceFile", "HeaderFile")
-        for item in interface.iter(kind)
-    }
 
-    assert needed <= files
+    for kind in ("SourceFile", "HeaderFile"):
+        assert set(expressions(interface, kind)) <= files
     assert fmu.description.description.endswith(INTERFACE)
     for item in interface.iter("Variable"):
         variable = fmu.variables[item.attrib["name"]]

@@ -6,13 +6,14 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.export.fmi.cases import both
 from tests.export.fmi.raw import CS, ERROR, ME, OK, WARNING
 
 GRAPH = "extra/org.wmr-ctrl/evaluate.casadi"
 INPUT = {"plant": "tau_left", "nn": "v1"}
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@both
 def test_dae_builder_evaluates_the_plant_and_its_jacobian(exported, tmp_path, version):
     """At another mass too; against the graph in the file, which `Function.load` reads."""
     with zipfile.ZipFile(exported("plant", version)) as archive:
@@ -35,7 +36,7 @@ def test_dae_builder_evaluates_the_plant_and_its_jacobian(exported, tmp_path, ve
     assert abs(float(jacobian[0][3, 3])) > 1
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@both
 @pytest.mark.parametrize("what, fixed", [("plant", "robot.r"), ("nn", "limits.v_u1[1]")])
 def test_a_fixed_parameter_may_be_written_again_with_its_own_value(raw, version, what, fixed):
     """GEMSEO and OpenModelica set all parameters once more; another value is named as fixed."""
@@ -50,15 +51,18 @@ def test_a_fixed_parameter_may_be_written_again_with_its_own_value(raw, version,
     assert one.get(fixed, INPUT[what]) == [value, 0.25]
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@both
 def test_the_seed_may_be_written_again_too(raw, version):
-    """It is an integer, which the runtime keeps as a double."""
-    one = raw("closed-loop", version).new().begin()
+    """It is an integer, which the runtime keeps as a double and gives as it was set."""
+    one = raw("closed-loop", version).new()
+    for seed in (5, 2**31 - 1):
+        assert one.integer("Set", "seed", seed) == (OK, seed) == one.integer("Get", "seed")
+    one.begin()
+    assert one.integer("Set", "seed", seed)[0] == WARNING
+    assert one.integer("Set", "seed", 1)[0] == ERROR
 
-    assert (one.put_integer("seed", 0), one.put_integer("seed", 1)) == (WARNING, ERROR)
 
-
-@pytest.mark.parametrize("version", [2, 3])
+@both
 def test_solvers_set_states_and_masses_in_model_exchange_alone(raw, version):
     fmu = raw("plant", version)
     for interface, wanted in ((ME, OK), (CS, ERROR)):

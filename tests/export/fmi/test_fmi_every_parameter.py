@@ -3,15 +3,11 @@
 import numpy as np
 import pytest
 
-from tests.export.fmi.raw import OK
-from tests.export.fmi.test_fmi_equality import assert_same
+from tests.export.fmi.test_fmi_equality import assert_loop_is, assert_same
 from wmr_ctrl.api import simulate
-from wmr_ctrl.core.signals import PLANT_STATE, PSI
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.world.scenario import load_scenario, override
 
-REACHED = {item.name for item in (*PLANT_STATE, PSI)}
-"""What the closed loop shows at the instant that was reached; all else is of the last sample."""
 BASE = load_scenario("paper-simulation", {
     "clock.duration": 0.3, "initial.velocity": [0.31, -0.95], "actuator.tau_max": 6.0,
     "limits": {"v_u1": [0.4, 1.2], "v_u2": [0.15, 0.4], "clip": 0.02},
@@ -49,21 +45,6 @@ def stated(numbers):
         else:
             found[key] = value
     return found
-
-
-def assert_loop_is(run, fmu, numbers=()):
-    """A closed loop with other numbers has the columns and findings of a run, bit by bit."""
-    names = [name for signal in run.signals[1:] for name in signal.elements]
-    loop, period = fmu.new(), run.settings.control
-    assert loop.put(dict(numbers)) == OK, fmu.messages[-1:]
-    loop.begin()
-    rows = [loop.get(*names)]
-    for k in range(run.rows):
-        assert loop.step(k * period, period) == OK
-        rows.append(loop.get(*names))
-    for name, column in zip(names, np.transpose(rows), strict=True):
-        assert np.array_equal(column[:-1] if name in REACHED else column[1:], run[name]), name
-    assert tuple(loop.get("max_abs_v[1]", "max_abs_v[2]")) == run.monitor.max_abs_v
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from fmpy.validation import validate_fmu
 
 from tests.control.bases import GOVERNED
 from tests.control.filter.test_filter import scenario
+from tests.export.fmi.cases import both
 from tests.export.fmi.raw import ERROR, OK
 from wmr_ctrl import simulate
 from wmr_ctrl.core.errors import ScenarioError
@@ -16,7 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario
 DRIVEN = load_scenario("paper-simulation-noise-free", {**GOVERNED, "changes": []})
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@both
 @pytest.mark.slow_but("2")
 def test_it_sends_what_a_run_sent_to_the_bit(version, exported):
     run = simulate(DRIVEN, "kanayama")
@@ -32,8 +33,8 @@ def test_it_sends_what_a_run_sent_to_the_bit(version, exported):
         output=["v_sent[1]", "v_sent[2]", "filter_flags", "limited"],
     )  # fmt: skip
     assert validate_fmu(str(path)) == []
-    pairs = {"v_sent[1]": "v_command", "v_sent[2]": "omega_command", "filter_flags": "filter_flags"}
-    for told, column in pairs.items():
+    columns = ("v_sent[1]", "v_command"), ("v_sent[2]", "omega_command"), ["filter_flags"] * 2
+    for told, column in columns:
         assert np.array_equal(found[told][1:], run[column]), told
     assert np.array_equal(found["limited"][1:], run["filter_flags"] % 2)
     assert 0 < found["limited"].mean() < 1
@@ -61,12 +62,8 @@ def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(ra
     assert instance.step(0.0, 0.05) == OK
     assert instance.get("bounds_left", "unused", "share[1]", "refused") == [1.0, 0.0, 1.0, 0.0]
     assert fmu.variables["clock.control"].min == fmu.variables["clock.control"].max
-
-
-def test_its_plain_code_is_named_and_it_claims_no_derivatives(raw):
-    description = raw("filter", 2, scenario("clip")).description
-    assert description.description.endswith("interface.xml")
-    assert not description.coSimulation.providesDirectionalDerivative
+    assert fmu.description.description.endswith("interface.xml")
+    assert not fmu.description.coSimulation.providesDirectionalDerivative
 
 
 def test_without_a_filter_there_is_none(tmp_path):

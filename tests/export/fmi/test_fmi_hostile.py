@@ -5,6 +5,7 @@ import math
 from itertools import product
 
 import pytest
+from fmpy.fmi3 import fmi3IntermediateUpdateCallback
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -56,10 +57,7 @@ def test_bad_steps(raw, what, version):
     for t, h in steps:
         assert one.step(t, h) in REFUSED, (t, h)
         assert one.all() == before
-    endless = fmu.new().begin()
-    for h in (1e5, 1e9, 1e15):
-        assert endless.step(0.0, h) in REFUSED
-    assert endless.step(0.0, 0.01) == OK
+    assert fmu.new().begin().step(0.0, 1e9) in REFUSED
     assert one.step(0.0, 0.01) == OK
     assert one.step(0.01 * (1 + 1e-12), 0.01) == OK
     assert one.step(0.02, 1.0) in REFUSED
@@ -80,17 +78,6 @@ def test_numbers_that_are_none_and_values_out_of_range(raw, what, version):
     assert one.all() == before
     assert one.step(0.0, 0.01) == same.step(0.0, 0.01) == OK
     assert one.all() == same.all()
-
-
-@full
-def test_a_write_happens_whole_or_not_at_all(raw, what, version):
-    fmu = raw(what, version)
-    one = fmu.new().begin()
-    names = [n for n, v in fmu.variables.items() if v.causality == "input"][:2]
-    before = one.get(*names)
-    assert one.put({names[0]: 0.125, names[1]: NAN}) == ERROR
-    assert one.put_refs([fmu.ref(names[0]), 4_000_000], [0.125, 0.0]) == ERROR
-    assert one.get(*names) == before
 
 
 @everywhere
@@ -129,45 +116,32 @@ def test_missing_places_for_answers(raw, what, version):
 
 
 @everywhere
-def test_wrong_instances(raw, what, version):
-    """No name, another token, no such interface: no instance, and the reason is told."""
+def test_wrong_instances_and_experiments(raw, what, version):
+    """No name, another token, times that are none: the reason is told to whoever listens."""
     fmu = raw(what, version)
+    deaf = {"callbacks": None} if version == 2 else {"log": None}
     wrong = {"token": b"{other}"}, {"token": None}, {"name": None}, {"name": b""}
     for given_ in (*wrong, *[{"events": True}] * (version == 3)):
         fmu.messages.clear()
         assert not fmu.instantiate(**given_)
         assert fmu.messages
+        assert not fmu.instantiate(**given_, **deaf)
     if ME not in fmu.interfaces:
         assert not fmu.instantiate(ME)
-    for interface in fmu.interfaces:
-        assert fmu.Terminate(None) == ERROR
-        fmu.FreeInstance(None)
-        fmu.new(interface).free()
-
-
-@everywhere
-def test_nobody_listens(raw, what, version):
-    """No callbacks, no logger, no resources: refusals are silent, the rest works."""
-    fmu = raw(what, version)
-    for given_ in ({"callbacks": None} if version == 2 else {"log": None}, {"resources": None}):
+    assert fmu.Terminate(None) == ERROR
+    fmu.FreeInstance(None)
+    for given_ in (deaf, {"resources": None}):
         one = fmu.new(**given_)
         assert one.step(0.0, 0.01) == ERROR
         assert one.begin().step(0.0, 0.01) == OK
-        assert not fmu.instantiate(token=b"wrong", **given_)
         one.free()
-
-
-@everywhere
-def test_bad_experiments(raw, what, version):
-    fmu = raw(what, version)
     starts = {"start": NAN}, {"start": INF}, {"stop": NAN}, {"start": 1.0, "stop": 0.5}
-    for wrong in (*starts, {"tolerance": NAN}, {"tolerance": -1.0}):
+    for given_ in (*starts, {"tolerance": NAN}, {"tolerance": -1.0}):
         one = fmu.new()
-        assert one.setup(**wrong) == ERROR
+        assert one.setup(**given_) == ERROR
         assert one.reset() == OK
         one.begin().free()
-    one = fmu.new()
-    assert one.setup(1.0, 1.0) == OK  # it ends where it begins
+    assert fmu.new().setup(1.0, 1.0) == OK  # it ends where it begins
 
 
 def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
@@ -178,17 +152,10 @@ def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
         begins(fmu, "clock.plant", *product(wrong, [ERROR]), *product(right, [OK]))
 
 
-def test_an_integer_is_read_as_it_was_set(raw):
-    one = raw("closed-loop", 2).new()
-    for seed in (0, 5, 2**31 - 1):
-        assert one.put_integer("seed", seed) == OK
-        assert one.integer("seed") == seed
-
-
 def test_a_rest_of_a_step_is_a_step(raw):
     """However short it is."""
-    for version, rest in ((2, 5e-6), (3, 5e-6), (2, 5e-4)):
-        one, other = (raw("plant", version).new().begin() for _ in range(2))
+    for rest in (5e-6, 5e-4):
+        one, other = (raw("plant", 2).new().begin() for _ in range(2))
         for instance in (one, other):
             assert instance.put({"tau_right": 2.0, "tau_left": 1.0}) == OK
         assert one.step(0.0, 0.01 + rest) == OK
@@ -200,15 +167,11 @@ def test_states_of_solvers_must_be_numbers(raw):
     for version in (2, 3):
         fmu = raw("plant", version)
         one = reach(fmu, ME, "continuous")
-        for wrong in (NAN, INF):
-            values = reals(0, 0, wrong, 0, 0)
-            assert fmu.SetContinuousStates(one.handle, values, ct.c_size_t(5)) in REFUSED
-            assert fmu.SetTime(one.handle, ct.c_double(wrong)) == ERROR
+        for given_, size in ((reals(0, 0, NAN, 0, 0), 5), (reals(0, 0), 2), (None, 5)):
+            assert fmu.SetContinuousStates(one.handle, given_, ct.c_size_t(size)) in REFUSED
+        assert fmu.SetTime(one.handle, ct.c_double(INF)) == ERROR
         assert any("state 3 is not finite" in text for text in fmu.messages)
-        assert fmu.SetContinuousStates(one.handle, reals(0, 0), ct.c_size_t(2)) == ERROR
-        assert fmu.SetContinuousStates(one.handle, None, ct.c_size_t(5)) == ERROR
         assert fmu.GetContinuousStates(one.handle, reals(*[0] * 4), ct.c_size_t(4)) == ERROR
-        one.free()
 
 
 @full
@@ -230,38 +193,28 @@ def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
 
 def test_intermediate_updates_and_early_returns(raw):
     """FMI 3: each internal step is shown; a return that is asked for happens there."""
-    cases = ("plant", 0.01, 9), ("plant", 0.0105, 10), ("nn", 0.05, 4), ("closed-loop", 0.05, 4)
-    for what, h, wanted in cases:
-        fmu, seen = raw(what, 3), []
-        answers = ct.POINTER(ct.c_bool), ct.POINTER(ct.c_double)
-        kind = ct.CFUNCTYPE(None, ct.c_void_p, ct.c_double, *[ct.c_bool] * 4, *answers)
-        held = []
+    seen, held = [], []
 
-        def update(_env, time, _put, _get, _done, _may, early, until, seen=seen, held=held):
-            legal = held[-1].fmu.SetDebugLogging(held[-1].handle, 0, ct.c_size_t(0), None)
-            seen.append((time, held[-1].get("time")[0], held[-1].step(0.0, 0.01), legal))
-            early[0] = len(seen) in (1, 2)  # which counts for nothing where it may not
-            until[0] = time + (len(seen) == 1)
+    @fmi3IntermediateUpdateCallback
+    def update(_env, time, _put, _get, _done, _may, early, until):
+        one = held[-1]
+        legal = one.fmu.SetDebugLogging(one.handle, 0, ct.c_size_t(0), None)
+        assert (one.get("time"), one.step(0.0, 0.01), legal) == ([time], ERROR, OK)
+        seen.append(time)  # a failure is not told from here, but its time is missing then
+        early[0] = len(seen) in (1, 2)  # which counts for nothing where it may not
+        until[0] = time + (len(seen) == 1)
 
-        callback = kind(update)
-        one = fmu.new(update=callback)
-        held.append(one)
-        assert one.begin().step(0.0, h) == OK
-        assert len(seen) == wanted
-        assert all(
-            (shown, refused, legal) == (time, ERROR, OK) for time, shown, refused, legal in seen
-        )
+    def hearing(what, **given_):
         seen.clear()
-        one = fmu.new(update=callback, early=True).begin()
-        held.append(one)
-        status, *flags, last = one.stepped(0.0, h)
-        assert (status, flags) == (OK, [False, False, True])
-        assert len(seen) == 2  # at the first one a return is asked for at a later time
-        assert last == seen[-1][0] == one.get("time")[0]
-        assert one.step(last, h) == OK
-        one.free()
-        if what == "plant":  # a step that is taken back after it was shown
-            one = fmu.new(update=callback)
-            held.append(one)
-            overflow(one)
-            one.free()
+        held.append(raw(what, 3).new(update=update, **given_))
+        return held[-1]
+
+    for what, h, wanted in (("plant", 0.0105, 10), ("nn", 0.05, 4), ("closed-loop", 0.05, 4)):
+        assert hearing(what).begin().step(0.0, h) == OK
+        assert len(seen) == wanted
+        one = hearing(what, early=True).begin()
+        # At the first one a return is asked for at a later time.
+        assert one.stepped(0.0, h) == (OK, False, False, True, seen[1])
+        assert one.get("time") == seen[1:]
+        assert one.step(seen[1], h) == OK
+    overflow(hearing("plant"))  # a step that is taken back after it was shown

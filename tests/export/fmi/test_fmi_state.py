@@ -34,41 +34,38 @@ print("ALL", json.dumps([x.hex() for x in one.all()]))
 def advanced(fmu, first, count, instance=None):
     """An instance after ``count`` steps from step ``first`` on, with inputs that differ."""
     instance = instance or fmu.new().begin()
-    inputs = {v.name for v in fmu.variables.values() if v.causality == "input"}
-    moving = inputs & {"tau_right", "v1"}
     for k in range(first, first + count):
-        for name in moving:
+        for name in {"tau_right", "v1"}.intersection(fmu.inputs):
             assert instance.put({name: 0.02 * (k % 7)}) == OK
         assert instance.step(0.01 * k, 0.01) == OK
     return instance
 
 
 @every_fmu
-def test_a_state_put_back_gives_the_same_continuation(raw, what, version):
-    fmu = raw(what, version)
+def test_a_state_put_back_and_a_reset_give_the_same_continuation(raw, what, version):
+    fmu, fresh = raw(what, version), raw(what, version).new()
     instance = advanced(fmu, 0, 30)
     kept = instance.bytes_of_state()
     straight = advanced(fmu, 30, 25, instance).all()
-    assert instance.restore(kept) == OK
-    assert advanced(fmu, 30, 25, instance).all() == straight
-    other = fmu.new()
-    assert other.restore(kept) == OK
-    assert advanced(fmu, 30, 25, other).all() == straight
-    assert fmu.new().begin().all() != straight
+    for one in (instance, fmu.new()):
+        assert one.restore(kept) == OK
+        assert advanced(fmu, 30, 25, one).all() == straight
+    assert instance.reset() == OK
+    assert instance.all() == fresh.all()
+    assert advanced(fmu, 0, 55, instance.begin()).all() == straight != fresh.begin().all()
 
 
 @every_fmu
 def test_a_state_brings_its_parameters_into_a_new_instance(raw, what, version):
     """Where the model reads its numbers from is made anew with the state."""
     fmu = raw(what, version)
-    for name in ("robot.m", "gains.nn.rho1[1]", "limits.v_u2[1]", "reference.rate"):
-        other = {name: 1.05 * float(fmu.variables[name].start)} if name in fmu.variables else {}
-        changed = fmu.new()
-        assert changed.put(other) == OK
+    names = {"robot.m", "gains.nn.rho1[1]", "limits.v_u2[1]", "ref_rate"}
+    for name in names.intersection(fmu.variables):
+        changed, new = fmu.new(), fmu.new()
+        assert changed.put({name: 1.05 * float(fmu.variables[name].start)}) == OK
         changed.begin()
         kept = advanced(fmu, 0, 10, changed).bytes_of_state()
         straight = advanced(fmu, 10, 10, changed).all()
-        new = fmu.new()
         assert new.restore(kept) == OK
         assert advanced(fmu, 10, 10, new).all() == straight, name
 
@@ -90,18 +87,17 @@ def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
 @pytest.mark.parametrize("what, version", [("nn", 2), ("nn", 3), *OTHER_LAWS])
 def test_the_monitor_remembers_the_sample_before(raw, what, version):
     """A jump of the velocity is told from it, in an instance that got its state as bytes too."""
-    first = raw(what, version).new().begin()
+    first, second, third = (raw(what, version).new() for _ in range(3))
     assert first.put({"v1": 0.1}) == OK
+    first.begin()
+    third.begin()
     assert [first.step(0.01 * k, 0.01) for k in (0, 1)] == [OK, OK]
-    second, third = raw(what, version).new(), raw(what, version).new().begin()
     assert second.restore(first.bytes_of_state()) == OK
     for instance, start in ((first, 0.02), (second, 0.02), (third, 0.0)):
-        assert instance.put({"v1": 0.9}) == OK
-        assert instance.step(start, 0.01) == OK
-    assert first.get("d_least[1]") == second.get("d_least[1]")
+        assert (instance.put({"v1": 0.9}), instance.step(start, 0.01)) == (OK, OK)
     assert first.all() == second.all()
     assert first.get("d_least[1]")[0] > 60.0
-    assert third.get("d_least[1]")[0] == 0.0
+    assert third.get("d_least[1]") == [0.0]
 
 
 @pytest.mark.parametrize(
@@ -118,9 +114,8 @@ def test_damaged_and_foreign_bytes_are_refused(raw, what, version):
         assert instance.restore(bytes(damaged)) == ERROR, place
     for wrong in (kept[:-1], kept + b"\0", b"", b"\0" * len(kept), b"\xff" * len(kept)):
         assert instance.restore(wrong) == ERROR
-    other = "reference" if what == "plant" else "plant"
-    other = raw(other, version).new().begin().bytes_of_state()
-    assert instance.restore(other) == ERROR
+    other = raw("reference" if what == "plant" else "plant", version).new().begin()
+    assert instance.restore(other.bytes_of_state()) == ERROR
     assert instance.all() == before
     assert instance.step(0.05, 0.01) == OK
 
@@ -128,13 +123,3 @@ def test_damaged_and_foreign_bytes_are_refused(raw, what, version):
 def test_a_state_of_the_other_interface_is_refused(raw):
     fmu = raw("plant", 2)
     assert fmu.new(ME).begin().restore(fmu.new(CS).begin().bytes_of_state()) == ERROR
-
-
-@every_fmu
-def test_reset_gives_an_identical_rerun(raw, what, version):
-    fmu = raw(what, version)
-    first = advanced(fmu, 0, 40)
-    straight = first.all()
-    assert first.reset() == OK
-    assert first.all() == fmu.new().all()
-    assert advanced(fmu, 0, 40, first.begin()).all() == straight

@@ -6,13 +6,14 @@ After a change that is meant: `python -m tests.export.fmi.test_fmi_variables`.
 import zipfile
 from dataclasses import replace
 from functools import cache
-from itertools import count, groupby
+from itertools import count, groupby, product
 from operator import itemgetter
 from pathlib import Path
 
 import pytest
 from lxml import etree
 
+from tests.tables import cases
 from wmr_ctrl.core.fields.named_units import per_second, unit_of
 from wmr_ctrl.export.fmi.files import Sources, write_archive
 from wmr_ctrl.export.fmi.fmu_files import model_of
@@ -47,12 +48,9 @@ def heads(what, version):
     ]
     references = map(str, count(1)) if version == 2 else [own["valueReference"] for own in rows]
     names = dict(zip(references, (own["name"] for own in rows), strict=False))
-    found = {}
     for own in rows:
         own["derivative"] = names.get(own.get("derivative"))
-        words = [own[key] for key in SHOWN if own.get(key)]
-        found[own["name"]] = " ".join(words)
-    return found
+    return {own["name"]: " ".join(own[key] for key in SHOWN if own.get(key)) for own in rows}
 
 
 def listed():
@@ -108,21 +106,14 @@ def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well():
     }
 
 
-@pytest.mark.parametrize(
-    "constant, kind",
-    [
-        ((True, True), "constant"),
-        ((True, False), "dependent"),
-        ((False, True), "dependent"),
-        ((False, False), "dependent"),
-    ],
-)
-def test_on_an_array_an_output_depends_linearly_if_on_each_element(constant, kind):
+@pytest.mark.parametrize("constant", product((True, False), repeat=2))
+def test_on_an_array_an_output_depends_linearly_if_on_each_element(constant):
     law = model("nn")
     head = next(i for i, v in enumerate(law.variables) if v.array)
     row = max(law.dependencies)
     own = {row: tuple((head + k, linear) for k, linear in enumerate(constant))}
     found = dict(_unknown(replace(law, dependencies=own), row, 3, True, True))
+    kind = "constant" if constant == (True, True) else "dependent"
 
     assert (found["dependencies"], found["dependenciesKind"]) == (str(head), kind)
 
@@ -138,20 +129,23 @@ def test_initialisation_keeps_limits_apart_and_masses_in_order():
 
 @pytest.mark.parametrize(
     "unit, rate",
-    [("m", "m/s"), ("m/s", "m/s2"), ("rad/s2", "rad/s3"), ("kg.m2/s", "kg.m2/s2"), ("N.m", "N.m/s"),
-     ("N/m", "N/m/s"), ("1/s", "1/s2"), ("m/s/kg", "m/s/kg/s"), ("m/ms", "m/ms/s"), ("1", "1/s")],
-)  # fmt: skip
+    cases("""
+        m | m/s
+        m/s | m/s2
+        rad/s2 | rad/s3
+        kg.m2/s | kg.m2/s2
+        N/m | N/m/s
+        m/s/kg | m/s/kg/s
+        m/ms | m/ms/s
+        1 | 1/s
+    """),
+)
 def test_rate_of_a_unit_is_that_unit_over_seconds(unit, rate):
     state, found = unit_of(unit), unit_of(per_second(unit))
-    seconds = {key: state.exponents.get(key, 0) - (key == "s") for key in ("kg", "m", "s", "rad")}
+    powers = {key: state.exponents.get(key, 0) - (key == "s") for key in ("kg", "m", "s", "rad")}
 
-    assert found.name == rate
-    assert found.factor == state.factor
-    assert found.exponents == {key: power for key, power in seconds.items() if power}
-
-
-def test_rate_of_a_state_without_unit_has_none():
-    assert per_second("") == ""
+    assert (found.name, found.factor, per_second("")) == (rate, state.factor, "")
+    assert found.exponents == {key: power for key, power in powers.items() if power}
 
 
 def test_an_archive_has_no_time_and_its_binaries_may_be_run(tmp_path):

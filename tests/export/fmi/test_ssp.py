@@ -1,32 +1,28 @@
 """The SSP package in both forms, read and run by tools that are not ours."""
 
-from __future__ import annotations
-
-import importlib
 import json
 import sys
 import xml.etree.ElementTree as ET
 import zipfile
-from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 
 from tests.commands import finished
-from tests.export.fmi.together import step_together
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.export.cosim.mapping import MapRow
 from wmr_ctrl.export.fmi.ssp import INNER, ORDER, SET, Component, _structure, export_ssp
-from wmr_ctrl.world.scenario import Scenario, load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override
 
 SHORT = load_scenario("paper-simulation-nominal", {"clock.duration": 3.0})
-SHOWN = (("plant", ("x", "y", "theta", "v1", "omega")), ("controller", ("tau_right", "margin")))
-STATE = SHOWN[0][1]
+STATE = ("x", "y", "theta", "v1", "omega")
+SHOWN = [("plant", name) for name in STATE] + [
+    ("controller", "tau_right"),
+    ("controller", "margin"),
+]
 NAMES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
     "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
@@ -40,10 +36,12 @@ execution = CosimExecution.from_ssp_file(ssp_path=plan["package"])
 seen = CosimObserver.create_last_value()
 execution.add_observer(observer=seen)
 places = {item.name.decode(): item.index for item in execution.slave_infos()}
+refs = {name: {item.name.decode(): item.reference for item in execution.slave_variables(place)}
+        for name, place in places.items()}
 for _ in range(plan["steps"]):
     assert execution.step(step_count=1)
-    show([value for part, _, refs in plan["shown"] for value in
-          seen.last_real_values(slave_index=places[part], variable_references=refs)])
+    show([seen.last_real_values(slave_index=places[part], variable_references=[refs[part][name]])[0]
+          for part, name in plan["shown"]])
 """
 ECOS = """
 from ecospy import EcosSimulation
@@ -51,8 +49,7 @@ with EcosSimulation(step_size=plan["h"], ssp_path=plan["package"]) as simulation
     simulation.init(parameter_set=plan["set"])
     for _ in range(plan["steps"]):
         simulation.step()
-        show([simulation.get_real(f"{part}::{name}")
-              for part, names, _ in plan["shown"] for name in names])
+        show([simulation.get_real(f"{part}::{name}") for part, name in plan["shown"]])
     simulation.terminate()
 """
 COMMON = """
@@ -62,78 +59,20 @@ def show(row): print("ROW", *map(float.hex, row))
 """
 
 
-@dataclass(frozen=True)
-class Package:
-    """A flat package, unpacked: its file, parts, wires and what is shown, by references."""
-
-    path: Path
-    folder: Path
-    scenario: Scenario
-
-    @property
-    def description(self):
-        with zipfile.ZipFile(self.path) as archive:
-            return ET.fromstring(archive.read("SystemStructure.ssd"))
-
-    def parts(self):
-        with zipfile.ZipFile(self.path) as archive:
-            archive.extractall(self.folder)
-        listed = self.description.iterfind(".//ssd:Component", NAMES)
-        return {item.attrib["name"]: self.folder / item.attrib["source"] for item in listed}
-
-    def references(self):
-        described = {n: read_model_description(str(path)) for n, path in self.parts().items()}
-        return {
-            name: {v.name: v.valueReference for v in description.modelVariables}
-            for name, description in described.items()
-        }
-
-    def wires(self):
-        refs = self.references()
-        ends = [[line.attrib[key] for key in INNER] for line in self.connections()]
-        return [(giver, refs[giver][out], taker, refs[taker][into])
-                for giver, out, taker, into in ends]  # fmt: skip
-
-    def connections(self):
-        return self.description.findall(".//ssd:Connection", NAMES)
-
-    def shown(self):
-        refs = self.references()
-        return [(part, names, [refs[part][name] for name in names]) for part, names in SHOWN]
-
-    def by_fmpys_slaves(self):
-        shown = [(part, refs) for part, _, refs in self.shown()]
-        steps = (self.scenario.clock.samples, self.scenario.clock.control)
-        folder = self.folder / "unpacked"
-        return step_together(self.parts(), self.wires(), shown, steps, folder)
-
-    def by(self, script):
-        """Rows that a script prints in a separate process: these libraries write to stdout."""
-        clock = self.scenario.clock
-        plan = {"package": str(self.path), "steps": clock.samples, "h": clock.control, "set": SET,
-                "shown": self.shown()}  # fmt: skip
-        done = finished([sys.executable, "-c", COMMON + script], input=json.dumps(plan))
-        rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("ROW")]
-        return np.array([[float.fromhex(word) for word in row] for row in rows])
-
-
 @pytest.fixture
 def flat(tmp_path):
     """A function: law -> its flat package on 3 s of the paper's circle."""
 
-    def export(law, **options):
-        (path,) = export_ssp(law=law, scenario=SHORT, flat=True, out=tmp_path, **options)
-        return Package(path, tmp_path / "parts", SHORT)
+    def export(law, scenario=SHORT, *, flat=True):
+        return export_ssp(law=law, scenario=scenario, flat=flat, out=tmp_path)[0]
 
     return export
 
 
-def needs(module):
-    """Skip where a library is not there, or one that it is linked with."""
-    try:
-        importlib.import_module(module)
-    except (ImportError, OSError) as error:
-        pytest.skip(f"NOT RUN: {module}: {error}")
+def described(path):
+    """The system's structure."""
+    with zipfile.ZipFile(path) as archive:
+        return ET.fromstring(archive.read("SystemStructure.ssd"))
 
 
 @pytest.mark.parametrize(
@@ -142,21 +81,27 @@ def needs(module):
 )  # fmt: skip
 @pytest.mark.slow
 def test_a_flat_package_runs_in_parallel_masters(flat, law, module, script):
-    """To the bit as FMPy's slaves that step all at once; libcosim is told no step size here."""
-    needs(module)
-    package = flat(law)
-    found, wanted = package.by(script), package.by_fmpys_slaves()
-    assert found.shape == (SHORT.clock.samples, sum(len(names) for _, names in SHOWN))
-    assert np.abs(np.diff(found, axis=0)).max() > 0
-    assert np.array_equal(found, wanted)
+    """To the bit as in FMPy; libcosim is told no step size here, and writes to stdout."""
+    try:
+        __import__(module)
+    except (ImportError, OSError) as error:  # a library that it is linked with may be missing
+        pytest.skip(f"NOT RUN: {module}: {error}")
+    clock, path = SHORT.clock, str(flat(law))
+    plan = {"package": path, "steps": clock.samples, "h": clock.control, "set": SET, "shown": SHOWN}
+    done = finished([sys.executable, "-c", COMMON + script], input=json.dumps(plan))
+    rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("ROW")]
+    found = simulate_ssp(path, stop_time=2.995, step_size=clock.control)
+    wanted = [found[f"{part}.{name}"] for part, name in SHOWN]
+
+    assert np.abs(np.diff(wanted)).max() > 0
+    assert rows == [[float(value).hex() for value in row] for row in np.transpose(wanted)]
 
 
 @pytest.mark.slow
 def test_fmpy_runs_both_forms_alike(flat, tmp_path):
     (nested,) = export_ssp(law="nn", scenario=SHORT, out=tmp_path / "nested")
     one, other = (
-        simulate_ssp(str(path), stop_time=0.995, step_size=SHORT.clock.control)
-        for path in (nested, flat("nn").path)
+        simulate_ssp(str(path), stop_time=0.995, step_size=0.01) for path in (nested, flat("nn"))
     )
     assert "plant.noise_right" not in other.dtype.names
     assert len(other.dtype.names) > 30
@@ -165,13 +110,13 @@ def test_fmpy_runs_both_forms_alike(flat, tmp_path):
 
 
 def test_a_flat_package_names_parts_and_nothing_else(flat):
-    package = flat("mb")
-    assert read_ssd(str(package.path), validate=True) is not None
-    assert tuple(package.parts()) == ORDER
-    assert len(package.connections()) == 14
-    for line in package.connections():
-        assert set(INNER) <= set(line.attrib)
-    system = package.description.find("ssd:System", NAMES)
+    path = flat("mb")
+    assert read_ssd(str(path), validate=True) is not None
+    system = described(path).find("ssd:System", NAMES)
+    connections = system.findall(".//ssd:Connection", NAMES)
+    assert tuple(part.get("name") for part in system.iterfind(".//ssd:Component", NAMES)) == ORDER
+    assert len(connections) == 14
+    assert all(set(INNER) <= set(line.attrib) for line in connections)
     assert system.find("ssd:Connectors", NAMES) is None
 
 
@@ -200,11 +145,9 @@ def test_a_connection_converts_by_the_row_that_gives_and_then_by_the_row_that_ta
 @pytest.mark.parametrize("row", ["theta", "psi"])
 def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, row):
     """FMPy reads conversions and does not do them."""
-    names = {**{name: name for name in STATE}, row: "theta"}
-    names.pop("theta" if row == "psi" else "psi", None)
-    outputs = "\n".join(f'{ours} = "{theirs}"' for ours, theirs in names.items())
-    inputs = 'tau_right = "tau_right"\ntau_left = "tau_left"'
-    text = f"[plant.inputs]\n{inputs}\n[plant.outputs]\n{outputs}\n"
+    outputs = ", ".join(f'{row if name == "theta" else name} = "{name}"' for name in STATE)
+    inputs = 'tau_right = "tau_right", tau_left = "tau_left"'
+    text = f"[plant]\ninputs = {{ {inputs} }}\noutputs = {{ {outputs} }}\n"
     given = ("--plant", str(exported("plant", 2)), "--map", str(mapped(text)), "--law", "pid")
     here = ("--scenario", "paper-simulation-nominal", "--out", str(tmp_path / "package"))
     done = CliRunner().invoke(root, ["export", "ssp", *given, *here], env={"COLUMNS": "999"})
@@ -215,20 +158,18 @@ def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, 
 
 @pytest.mark.parametrize("is_flat", [False, True])
 @pytest.mark.slow_but("True")
-def test_a_package_tells_its_step_size(tmp_path, is_flat):
+def test_a_package_tells_its_step_size(flat, is_flat):
     """OMSimulator is told of a weakly coupled system with a fixed step, libcosim of a master."""
-    slower = override(SHORT, {"clock.control": 0.02})
-    (path,) = export_ssp(law="pid", scenario=slower, flat=is_flat, out=tmp_path)
+    path = flat("pid", override(SHORT, {"clock.control": 0.02}), flat=is_flat)
     assert read_ssd(str(path), validate=True) is not None
-    about = Package(path, tmp_path, slower).description
+    about = described(path)
     system = about.find("ssd:System/ssd:Annotations/ssc:Annotation", NAMES)
-    assert system.attrib["type"] == "org.openmodelica"
     solver = system.find("oms:Annotations/oms:SimulationInformation", NAMES)
     master = solver.find("oms:FixedStepMaster", NAMES)
-    assert (solver.attrib["method"], master.attrib["description"]) == ("oms_ma", "oms-ma")
     experiment = about.find("ssd:DefaultExperiment", NAMES)
     algorithm = experiment.find(".//osp:FixedStepAlgorithm", NAMES)
-    assert experiment.attrib["stopTime"] == "3.0"
-    assert [float(text) for text in (
-        solver.attrib["fixedStepSize"], master.attrib["stepSize"], algorithm.attrib["baseStepSize"]
-    )] == [0.02] * 3  # fmt: skip
+
+    assert (system.attrib["type"], experiment.attrib["stopTime"]) == ("org.openmodelica", "3.0")
+    assert (solver.attrib["method"], master.attrib["description"]) == ("oms_ma", "oms-ma")
+    sizes = solver.get("fixedStepSize"), master.get("stepSize"), algorithm.get("baseStepSize")
+    assert [*map(float, sizes)] == [0.02] * 3

@@ -1,37 +1,22 @@
 """The package as text, and compilers that read it."""
 
-import json
-from functools import cache
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from wmr_ctrl.cli import root
 from wmr_ctrl.export.modelica import FILE, modelica_package
 from wmr_ctrl.world.scenario import load_scenario
-
-
-@cache
-def package(scenario="paper-simulation-nominal", overrides="{}"):
-    return modelica_package(load_scenario(scenario, json.loads(overrides)))
 
 
 @pytest.fixture(scope="session")
 def text():
     """The package of the paper's circle without noise or change."""
-    return package()
+    return modelica_package(load_scenario("paper-simulation-nominal"))
 
 
 @pytest.fixture(scope="session")
-def rumoca():
-    """The Modelica compiler that these tests run."""
-    return pytest.importorskip("rumoca", reason="NOT RUN: rumoca is not there")
-
-
-@pytest.fixture(scope="session")
-def simulated(rumoca):
+def simulated():
     """A function (text, model, end) -> columns: at each multiple of 10 ms, after its sample."""
+    rumoca = pytest.importorskip("rumoca", reason="NOT RUN: rumoca is not there")
 
     def simulate(text, model, end):
         compiled = rumoca.Session().loads(text, model=model, filename=FILE)
@@ -42,9 +27,3 @@ def simulated(rumoca):
         return {name: np.asarray(result[name])[rows] for name in result.names}
 
     return simulate
-
-
-@pytest.fixture
-def wmr():
-    """Call `wmr-ctrl`."""
-    return lambda line: CliRunner().invoke(root, line)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import numpy as np
 import pytest
@@ -70,79 +70,68 @@ def lines(body):
     }
 
 
-def loop_parts(text, model):
-    declared = r"(?:replaceable )?([\w.]+) (reference|controller|plant|disturbance) "
-    return placed(classes(text, "model", model), declared)
-
-
 def crosses(one, other):
     """Whether two polylines of level and upright pieces share a point."""
-    boxes = [[np.sort(piece, axis=0) for piece in pairwise(each)] for each in (one, other)]
-    boxes = [[(np.min(p, axis=0), np.max(p, axis=0)) for p in each] for each in boxes]
-    return any(
-        bool((low <= other_high).all() and (other_low <= high).all())
-        for low, high in boxes[0]
-        for other_low, other_high in boxes[1]
+    boxes = (
+        [(np.min(p, axis=0), np.max(p, axis=0)) for p in pairwise(each)] for each in (one, other)
     )
+    return any(
+        (low <= other_high).all() and (other_low <= high).all()
+        for (low, high), (other_low, other_high) in product(*boxes)
+    )
+
+
+def assert_apart(*drawn):
+    """No two ports or parts cover each other."""
+    for one, other in combinations(drawn, 2):
+        assert np.abs(one.middle - other.middle).max() > one.half + other.half
 
 
 @pytest.mark.slow
 def test_every_port_leads_over_an_edge_and_none_covers_another(text):
     interfaces = text.partition("end Interfaces;")[0]
-    for part in PARTS:
-        found = ports(interfaces, part)
-        assert len(found) == {"reference": 7, "controller": 14, "plant": 12, "disturbance": 4}[part]
-        for port in found.values():
+    for part, count in zip(PARTS, (7, 14, 12, 4), strict=True):
+        found = ports(interfaces, part).values()
+        assert len(found) == count
+        assert_apart(*found)
+        for port in found:
             edge = tuple(int(np.sign(x)) if abs(x) == 110 else 0 for x in port.middle)
             wanted = LEADS_IN[edge] + 180.0 * (port.kind == "RealOutput")
             assert (port.turn - wanted) % 360 == 0
             assert np.abs(port.middle).min() <= 90
-        for one, other in combinations(found.values(), 2):
-            assert np.abs(one.middle - other.middle).max() > 20
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_what_a_law_shows_stands_beside_its_inputs_and_torques(text, law):
     body = classes(text, "block", law.capitalize())
-    own = placed(body, r"Interfaces\.(RealInput|RealOutput) (\w+)")
+    own = placed(body, r"Interfaces\.(RealInput|RealOutput) (\w+)").values()
     assert len(own) == body.count("Interfaces.Real") >= 5
-    others = ports(text.partition("end Interfaces;")[0], "controller").values()
-    for port in own.values():
-        assert (port.middle[1], port.turn) == (110, LEADS_IN[0, 1] + 180)
-        assert all(np.abs(port.middle - other.middle).max() > 20 for other in others)
-    for one, other in combinations(own.values(), 2):
-        assert np.abs(one.middle - other.middle).max() > 20
+    assert {(port.middle[1], port.turn) for port in own} == {(110, LEADS_IN[0, 1] + 180)}
+    assert_apart(*own, *ports(text.partition("end Interfaces;")[0], "controller").values())
 
 
 @pytest.mark.parametrize("model", ["Loop", "Loop_imported"])
 def test_the_loop_is_a_diagram(text, model):
     """Parts stand apart, lines run from port to port, none through a part or another line."""
-    parts, interfaces = loop_parts(text, model), text.partition("end Interfaces;")[0]
-    assert tuple(parts) == PARTS
-    for one, other in combinations(parts.values(), 2):
-        assert np.abs(one.middle - other.middle).max() > one.half + other.half
-    body = classes(text, "model", model)
+    body, interfaces = classes(text, "model", model), text.partition("end Interfaces;")[0]
+    parts = placed(body, rf"(?:replaceable )?([\w.]+) ({'|'.join(PARTS)}) ")
     drawn = lines(body)
+    assert tuple(parts) == PARTS
+    assert_apart(*parts.values())
     assert len(drawn) == body.count("connect(") == 7 + 2 + 4 + 5
+    square = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]])
+    frames = [part.middle + part.half * square for part in parts.values()]
     for ends, points in drawn.items():
         for end, point in zip(ends, (points[0], points[-1]), strict=True):
             part, name = end.split(".")
             assert np.allclose(parts[part].at(ports(interfaces, part)[name]), point)
         assert (np.diff(points, axis=0) == 0).any(axis=1).all()
-        for part in parts.values():
-            frame = part.middle + part.half * np.array(
-                [[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]]
-            )
-            assert not crosses(points, frame)
-    for one, other in combinations(drawn.values(), 2):
-        assert not crosses(one, other)
+        assert not any(crosses(points, frame) for frame in frames)
+    assert not any(crosses(one, other) for one, other in combinations(drawn.values(), 2))
     corners = re.search(rf"coordinateSystem\(extent=\{{{PAIR},{PAIR}\}}", body).groups()
     low, high = np.array(corners, float).reshape(2, 2)
-    everything = np.vstack(
-        [*drawn.values(), *(p.middle + s * p.half for p in parts.values() for s in (-1, 1))]
-    )
-    assert (everything > low).all()
-    assert (everything < high).all()
+    everything = np.vstack([*drawn.values(), *frames])
+    assert ((low < everything) & (everything < high)).all()
 
 
 @pytest.mark.parametrize("part", PARTS[:3])
