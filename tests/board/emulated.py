@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.codegen.packages import write_package
+from tests.commands import finished
 
 HERE = Path(__file__).parent
 COMPILER, EMULATOR = "arm-none-eabi-gcc", "qemu-system-arm"
@@ -42,23 +43,18 @@ def missing():
 def built(law, scenario, board, folder, *, float32):
     """The firmware of a package for a board."""
     write_package(law, folder, scenario, float32=float32)
-    names = {
-        f"LAW_{name.upper()}": f"wmr_{law}_{name}"
-        for name in ("parameters", "state", "inputs", "outputs", "step", "defaults", "start")
-    }
+    names = ("parameters", "state", "inputs", "outputs", "step", "defaults", "start")
     (folder / "law.h").write_text(f'#include "wmr_{law}.h"\n', encoding="utf-8")
     out = folder / "board.elf"
     command = [
         COMPILER, "-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic",
         "-Werror", "-mthumb", "-mfloat-abi=hard", *board.flags,
-        *(f"-D{key}={value}" for key, value in names.items()), f"-I{folder}", "-nostartfiles",
-        "-ffreestanding", "-fno-tree-loop-distribute-patterns", "--specs=nosys.specs",
-        f"-T{HERE / 'board.ld'}", str(HERE / "board.c"), str(folder / f"wmr_{law}.c"),
-        "-lm", "-o", str(out),
+        *(f"-DLAW_{name.upper()}=wmr_{law}_{name}" for name in names), f"-I{folder}",
+        "-nostartfiles", "-ffreestanding", "-fno-tree-loop-distribute-patterns",
+        "--specs=nosys.specs", f"-T{HERE / 'board.ld'}", HERE / "board.c",
+        folder / f"wmr_{law}.c", "-lm", "-o", out,
     ]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RuntimeError(f"{COMPILER} refused the firmware: {done.stderr}")
+    finished(command)
     return out
 
 
@@ -117,12 +113,9 @@ class HostBuild:
 
     def __init__(self, law, scenario, folder, *, float32):
         write_package(law, folder, scenario, float32=float32)
-        library = folder / "host.so"
-        subprocess.run(
-            ["cc", "-std=c99", "-O1", "-ffp-contract=off", "-shared", "-fPIC",
-             str(folder / f"wmr_{law}.c"), "-lm", "-o", str(library)],
-            check=True, capture_output=True,
-        )  # fmt: skip
+        library, source = folder / "host.so", folder / f"wmr_{law}.c"
+        flags = ["-std=c99", "-O1", "-ffp-contract=off", "-shared", "-fPIC"]
+        finished(["cc", *flags, source, "-lm", "-o", library])
         self.library = loaded = ct.CDLL(str(library))
         self.real = np.float32 if float32 else np.float64
         self._step = loaded[f"wmr_{law}_step"]

@@ -20,7 +20,7 @@ class Robot:
         self._plant_p, self._reference_p = np.array(plant.p0), np.array(desired.p0)
         self._more = np.zeros(plant.u.numel() - 2)
         self.state = np.array(plant.x0 if start is None else start, dtype=float)
-        self.fastest = abs(self.state[3:])
+        self.velocities = [self.state[3:]]
 
     def reference(self, k):
         """Desired trajectory at sample k."""
@@ -35,7 +35,7 @@ class Robot:
         u = np.concatenate([torque, self._more])
         for _ in range(self.clock.substeps):
             self.state = self._step(u, self.state, self._plant_p)
-            self.fastest = np.maximum(self.fastest, abs(self.state[3:]))
+            self.velocities.append(self.state[3:])
 
     def distance(self, k):
         """From the desired position at sample k [m]."""

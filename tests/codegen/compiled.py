@@ -11,10 +11,7 @@ from wmr_ctrl.codegen.emit import QUALIFIERS, definition
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
-_HEAD = (
-    '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n\n'
-    f"{QUALIFIERS}\n"
-)
+_HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n'
 REALS = ct.POINTER(ct.c_double)
 ELEMENTARY = {
     ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos",
@@ -33,7 +30,7 @@ EXACT = {
 
 def compiled(kernels, *, native=False):
     """Callables of kernels with one output vector, from one library."""
-    text = _HEAD + "\n".join(definition(item) for item in kernels)
+    text = "\n".join((_HEAD, QUALIFIERS, *map(definition, kernels)))
     header = (runtime_dir() / "arithmetic.h").read_text("utf-8")
     path = build_library({"one.c": text, "arithmetic.h": header}, find_toolchain(native=native))
     library = ct.CDLL(str(path))
@@ -51,23 +48,6 @@ def _callable(entry, function):
             array[:] = numbers
         entry(*pointers)
         return out.copy()
-
-    return call
-
-
-def in_two(item):
-    """A prepared kernel of u, p and y as one call: its preparation, then the rest."""
-    text = _HEAD + definition(item)
-    header = (runtime_dir() / "arithmetic.h").read_text("utf-8")
-    library = ct.CDLL(str(build_library({"two.c": text, "arithmetic.h": header})))
-    prepare, rest = library[f"wmr_{item.name}_prepare"], library[f"wmr_{item.name}"]
-
-    def call(u, p):
-        c, out = np.zeros(1000), np.zeros(item.function.numel_out(0))
-        uu, pp, cc, yy = (a.ctypes.data_as(REALS) for a in (u, np.ascontiguousarray(p), c, out))
-        prepare(pp, cc)
-        rest(uu, pp, cc, yy)
-        return out
 
     return call
 

@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
 import sys
 import tempfile
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 import casadi as ca
 
 from tests.board.emulated import BOARDS, COMPILER, missing
 from tests.board.lockstep import lockstep
 from tests.codegen.packages import write_package
+from tests.commands import finished
+from tests.tables import changes
 from wmr_ctrl.codegen.package import (
     FILTER,
     RECORD,
@@ -28,7 +28,7 @@ from wmr_ctrl.codegen.package import (
     footprint_key,
     packaged,
     step_kernel,
-)
+)  # fmt: skip
 from wmr_ctrl.codegen.resources import fmu_dir
 from wmr_ctrl.control.filter.filter import called_filter
 from wmr_ctrl.control.laws.registry import NAMES
@@ -45,25 +45,25 @@ SCENARIOS = {False: "paper-simulation", True: "safe-simulation"}
 """By whether the guard is on."""
 ROBOTS = ("robot-10ms", "robot-100ms")
 """Guarded scenarios with encoders and late drives, whose packages are compiled only."""
-GOVERNED = {
-    "filter.kind": "governor", "filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1),
-    "filter.d": (0.05, 0.05), "filter.odometry": (0.02, 0.02), "clock.control": 0.05,
-}  # fmt: skip
+GOVERNED = """
+filter = {kind = "governor", tau = [0.2, 0.3], gain = [0.9, 1.1], d = [0.05, 0.05]}
+filter.odometry = [0.02, 0.02]
+clock.control = 0.05
+"""
+SLOW = """
+filter.loop = "second-order"
+filter.damping = [0.5, 1.0]
+filter.frequency = [2.9, 3.6]
+clock.control = 0.05
+"""
 FILTERS = {
-    "clip": {"filter.kind": "clip"},
-    "governor": GOVERNED,
-    "governor, delay of 0 to 30 ms": {**GOVERNED, "filter.delay": (0.0, 0.03)},
-    "band of 50 commands": {
-        "filter.kind": "band", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
-        "filter.frequency": (2.9, 3.6), "clock.control": 0.05,
-    },
-    "clip of slow commands": {
-        "filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
-        "filter.frequency": (2.9, 3.6), "filter.slew": (0.1, 0.2), "clock.control": 0.05,
-    },
-}  # fmt: skip
+    "clip": changes('filter.kind = "clip"'),
+    "governor": changes(GOVERNED),
+    "governor, delay of 0 to 30 ms": changes(f"{GOVERNED}filter.delay = [0.0, 0.03]"),
+    "band of 50 commands": changes(f'{SLOW}filter.kind = "band"'),
+    "clip of slow commands": changes(f'{SLOW}filter.kind = "clip"; filter.slew = [0.1, 0.2]'),
+}
 """Command filters whose packages are compiled only."""
-NOTHING = MappingProxyType({})
 NOMINAL = "paper-simulation-nominal"
 GOLDEN = fmu_dir() / "golden" / "c"
 COPIES = tuple((law, float32) for law in ("mb", "nn") for float32 in (False, True))
@@ -80,13 +80,13 @@ class Sizes:
     stack: int
 
 
-def sizes(law, float32, preset, folder, changes=NOTHING):
+def sizes(law, float32, preset, folder, stated=()):
     """Sizes of a law's package, or of the command filter's, compiled for the board's processor."""
-    scenario = load_scenario(preset, changes)
+    scenario = load_scenario(preset, dict(stated))
     write_package(law, folder, scenario, float32=float32)
     command = [COMPILER, "-std=c99", "-O2", "-ffp-contract=off", *TARGET, "-fstack-usage", "-c",
                f"wmr_{law}.c"]  # fmt: skip
-    subprocess.run(command, cwd=folder, check=True)
+    finished(command, cwd=folder)
     text, data, bss, *_ = _output(["arm-none-eabi-size", f"wmr_{law}.o"], folder)[1].split()
     frames = (folder / f"wmr_{law}.su").read_text(encoding="utf-8").splitlines()
     stack = sum(int(line.split("\t")[1]) for line in frames if "defaults" not in line)
@@ -99,27 +99,16 @@ def loop_scenario(guarded):
     return load_scenario(NOMINAL, {"guard.enabled": guarded})
 
 
-def measure(law, float32, guarded, folder):
-    """Footprint of a law's package."""
-    found = sizes(law, float32, SCENARIOS[guarded], folder / "sizes")
-    loop = lockstep(law, loop_scenario(guarded), BOARD, folder / "loop", float32=float32)
-    board = (loop.stack, loop.instructions, loop.most_instructions)
-    return Footprint(*astuple(found), *board, _version(folder))
-
-
-def compiled(law, float32, preset, folder, changes=NOTHING):
-    """Footprint of a package that no board has run."""
-    found = sizes(law, float32, preset, folder, changes)
-    return Footprint(*astuple(found), None, None, None, _version(folder))
-
-
-def _version(folder):
-    return f"gcc {_output([COMPILER, '-dumpversion'], folder)[0]}"
+def footprint(law, float32, preset, folder, stated=(), board=(None, None, None)):
+    """Footprint of a package: of a board that has run it, deepest stack and instructions."""
+    found = sizes(law, float32, preset, folder, stated)
+    return Footprint(
+        *astuple(found), *board, f"gcc {_output([COMPILER, '-dumpversion'], folder)[0]}"
+    )
 
 
 def _output(command, folder):
-    done = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
-    return done.stdout.splitlines()
+    return finished(command, cwd=folder).stdout.splitlines()
 
 
 def write_golden():
@@ -135,19 +124,20 @@ def write_footprints():
     """Measure and record all packages."""
     found = {}
     for law, float32, guarded in PACKAGES:
-        with tempfile.TemporaryDirectory() as folder:
-            each = [measure(law, float32, guarded, Path(folder))]
-            each += [
-                compiled(law, float32, preset, Path(folder) / preset)
-                for preset in (ROBOTS if guarded else ())
-            ]
+        with tempfile.TemporaryDirectory() as place:
+            folder = Path(place)
+            loop = lockstep(law, loop_scenario(guarded), BOARD, folder / "loop", float32=float32)
+            board = (loop.stack, loop.instructions, loop.most_instructions)
+            each = [footprint(law, float32, SCENARIOS[guarded], folder / "sizes", board=board)]
+            for preset in ROBOTS if guarded else ():
+                each.append(footprint(law, float32, preset, folder / preset))
         by_form = {item.operations: asdict(item) for item in each}
         found[footprint_key(law, float32, guarded)] = list(by_form.values())
     for float32 in (False, True):
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as place:
             each = [
-                compiled(FILTER, float32, SCENARIOS[False], Path(folder) / str(k), changes)
-                for k, changes in enumerate(FILTERS.values())
+                footprint(FILTER, float32, SCENARIOS[False], Path(place) / str(k), stated)
+                for k, stated in enumerate(FILTERS.values())
             ]
         found[footprint_key(FILTER, float32)] = [asdict(item) for item in each]
     RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -6,7 +6,7 @@ import pytest
 
 from tests.commands import finished
 from tests.compilers import WINE, ZIG, compile_program, needs_compiler, processor, where, wine
-from wmr_ctrl.codegen.build import LOOP, NATIVE, X86, flags_of, program_of, unity, vector_sets
+from wmr_ctrl.codegen.build import LOOP, X86, flags_of, program_of, unity, vector_sets
 from wmr_ctrl.codegen.compiler import compile_library, compile_object
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.control.setup import settle
@@ -53,17 +53,6 @@ def sets_in(library):
 def write(folder, files):
     for name, text in files.items():
         (folder / name).write_text(str(text), "utf-8")
-
-
-def test_the_loop_of_one_robot(chain, tmp_path):
-    write(tmp_path, unity(program_of(settle(load_scenario("paper-simulation"), "nn")).generated))
-
-    library = compile_library(
-        chain, [tmp_path / NATIVE[0]], tmp_path / "loop.dll", include=[tmp_path]
-    )
-
-    assert sets_in(library) == ["native"]
-    assert not list(tmp_path.glob("*.c.o"))
 
 
 def test_the_loop_for_lanes_has_every_set_of_this_processor(chain, tmp_path):

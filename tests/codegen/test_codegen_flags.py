@@ -25,15 +25,10 @@ STILL = override(SAFE, {"changes": []})
 FILTERED = load_scenario("paper-simulation", FILTERS["governor"])
 GATE = GateSettings(odometry="none")
 FLAGS = (
-    "-ffast-math",
-    "-Ofast",
-    "-funsafe-math-optimizations",
-    "-fassociative-math",
-    "-fassociative-math -fno-signed-zeros -fno-trapping-math",
-    "-freciprocal-math",
-    "-ffinite-math-only",
-    "-fsingle-precision-constant",
-)
+    "-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math",
+    "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math",
+    "-ffinite-math-only", "-fsingle-precision-constant",
+)  # fmt: skip
 REFUSALS = ("compile without -ffast-math", "compile_without_fsingle_precision_constant")
 NO_MACROS = (
     "-U__FAST_MATH__", "-U__ASSOCIATIVE_MATH__", "-U__RECIPROCAL_MATH__", "-U__FINITE_MATH_ONLY__",
@@ -109,10 +104,9 @@ def compiled(folder, compiler, *words):
     return run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize(
-    "compiler", ["gcc", *(pytest.param(c, marks=pytest.mark.slow) for c in ("clang", COMPILER))]
-)
+@pytest.mark.parametrize("compiler", ["gcc", "clang", COMPILER])
 @pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.slow_but(*(f"{kind}-gcc" for kind in KINDS if kind not in ("fmu", "ros-laser")))
 def test_flag_is_refused_or_values_stay(kind, compiler, tmp_path):
     """Vectors pass or the first is refused; where there are none it is the same instructions.
 
@@ -143,8 +137,7 @@ def instructions(folder, compiler, units, *words):
 
 
 @pytest.mark.skipif(machine() not in ("x86_64", "aarch64"), reason="NOT RUN: not recognised there")
-@pytest.mark.parametrize("flag", ["", *(flag for flag in FLAGS if flag != "-fassociative-math")])
-def test_gcc_before_12_refuses_without_its_newer_macros(flag, tmp_path):
+def test_gcc_before_12_refuses_without_its_newer_macros(tmp_path):
     """Its version and macros are feigned: it tells such flags by __GCC_IEC_559 alone.
 
     It ignores -fassociative-math without -fno-signed-zeros.
@@ -152,19 +145,16 @@ def test_gcc_before_12_refuses_without_its_newer_macros(flag, tmp_path):
     needs("gcc")
     written("law", tmp_path)
     macros = ("GNUC__", "ASSOCIATIVE_MATH__", "RECIPROCAL_MATH__", "FAST_MATH__")
-    older = [*(f"-U__{name}" for name in macros), "-D__GNUC__=11"]
-    done = compiled(tmp_path, "gcc", *flag.split(), *older, "-fsyntax-only", "wmr_nn.c")
-    assert bool(flag) == (REFUSALS[0] in done.stderr), done.stderr
+    older = [*(f"-U__{name}" for name in macros), "-D__GNUC__=11", "-fsyntax-only", "wmr_nn.c"]
+    for flag in ("", *FLAGS):
+        done = compiled(tmp_path, "gcc", *flag.split(), *older)
+        refused = flag not in ("", "-fassociative-math")
+        assert refused == (REFUSALS[0] in done.stderr), (flag, done.stderr)
 
 
-@pytest.mark.parametrize(
-    "kind, compiler",
-    [
-        pytest.param(kind, compiler, marks=[] if shown else pytest.mark.slow)
-        for compiler, shown in (("gcc", True), ("gcc-11", False), ("clang", False))
-        for kind in ("law", "law-float32", "filter", "filter-float32", "reference")
-    ],
-)
+@pytest.mark.parametrize("compiler", ["gcc", "gcc-11", "clang"])
+@pytest.mark.parametrize("kind", ["law", "law-float32", "filter", "filter-float32", "reference"])
+@pytest.mark.slow_but("filter-gcc", "law-float32-gcc")
 def test_first_step_catches_flags_that_no_macro_tells(kind, compiler, tmp_path):
     """Refused for ever with status and flag; or, by Clang, the vectors pass all the same.
 
@@ -175,12 +165,11 @@ def test_first_step_catches_flags_that_no_macro_tells(kind, compiler, tmp_path):
     for path in tmp_path.glob("arithmetic.h"):  # the flag's own check at compile time
         text = path.read_text("utf-8")
         path.write_text(text.replace("[sizeof(1.0) == sizeof(double) ? 1 : -1]", "[1]"))
-    last = "filter_flags" if law == "filter" else "guard_acted"
-    main, checker = STATUS.format(law=law, last=last), "check.c"
+    main, checker = STATUS.format(law=law, last="guard_acted"), "check.c"
     if law == "reference":
         main, checker = PATH_STATUS, "reference_check.c"
         units.remove(checker)
-    (tmp_path / "main.c").write_text(main, "utf-8")
+    (tmp_path / "main.c").write_text(main.replace("filter_guard_acted", "filter_flags"), "utf-8")
 
     def said(unit, words):
         done = compiled(tmp_path, compiler, *words, *NO_MACROS, unit, *units, "-lm", "-o", "main")

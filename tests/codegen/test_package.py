@@ -3,7 +3,6 @@
 import re
 import shutil
 from dataclasses import replace
-from functools import cache
 
 import casadi as ca
 import pytest
@@ -19,20 +18,11 @@ from wmr_ctrl.world.scenario import load_scenario
 
 SCENARIO = load_scenario("paper-simulation")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
-every_kind = pytest.mark.parametrize(
-    "law, float32, guarded",
-    [
-        ("pid", True, False),
-        pytest.param("mb", True, True, marks=pytest.mark.slow),
-        pytest.param("prox", False, False, marks=pytest.mark.slow),
-    ],
-)
 HASH = re.compile(r'(?<=scenario_hash\[17\] = ")[0-9a-f]{16}')
 
 
 def run(command, folder):
-    done = finished(command, cwd=folder)
-    return done.stdout
+    return finished(command, cwd=folder).stdout
 
 
 def needs(*tools):
@@ -41,14 +31,8 @@ def needs(*tools):
         pytest.skip(f"NOT RUN: {', '.join(absent)} not on this machine")
 
 
-@cache
-def texts(law, float32, guarded):
-    return package_files(law, load_scenario(measured.SCENARIOS[guarded]), float32=float32)
-
-
 def written(law, folder, float32, guarded=False):
-    for name, text in texts(law, float32, guarded).items():
-        (folder / name).write_text(text, "utf-8")
+    write_package(law, folder, load_scenario(measured.SCENARIOS[guarded]), float32=float32)
 
 
 def programs(law, folder, compiler="gcc"):
@@ -65,10 +49,11 @@ def programs(law, folder, compiler="gcc"):
     "law, float32, guarded, compiler",
     [
         ("nn", False, False, "gcc"),
-        pytest.param("mb", True, True, "gcc", marks=pytest.mark.slow),
-        pytest.param("pursuit", False, True, "clang", marks=pytest.mark.slow),
+        ("mb", True, True, "gcc"),
+        ("pursuit", False, True, "clang"),
     ],
 )
+@pytest.mark.slow_but("nn-False-False-gcc")
 def test_vectors_pass_and_nothing_warns(law, float32, guarded, compiler, tmp_path):
     written(law, tmp_path, float32, guarded)
     checked, example = programs(law, tmp_path, compiler)
@@ -83,17 +68,21 @@ def test_vectors_pass_and_nothing_warns(law, float32, guarded, compiler, tmp_pat
     [
         ("pid", "gcc-c99", False),
         ("mb", "clang-c99", False),
-        pytest.param("nn", "g++-c++98", False, marks=pytest.mark.slow),
-        pytest.param("kanayama", "clang++-c++11", True, marks=pytest.mark.slow),
-        pytest.param("prox", "tcc", True, marks=pytest.mark.slow),
+        ("nn", "g++-c++98", False),
+        ("kanayama", "clang++-c++11", True),
+        ("prox", "tcc", True),
     ],
 )
+@pytest.mark.slow_but("pid-gcc-c99-False", "mb-clang-c99-False")
 def test_it_is_c_and_cpp_for_every_compiler(law, language, float32, tmp_path):
     written(law, tmp_path, float32)
     compile_all(language, tmp_path, [f"wmr_{law}.c", "example.c", "check.c"])
 
 
-@every_kind
+@pytest.mark.parametrize(
+    "law, float32, guarded", [("pid", True, False), ("mb", True, True), ("prox", False, False)]
+)
+@pytest.mark.slow_but("pid-True-False")
 def test_a_microcontroller_takes_it(law, float32, guarded, tmp_path):
     needs(measured.COMPILER)
     written(law, tmp_path, float32, guarded)
@@ -115,13 +104,11 @@ def test_a_microcontroller_takes_it(law, float32, guarded, tmp_path):
 @pytest.mark.parametrize(
     "law, float32, preset",
     [
-        ("pid", True, measured.SCENARIOS[False]),
-        pytest.param("mb", True, measured.SCENARIOS[True], marks=pytest.mark.slow),
-        pytest.param("prox", False, measured.SCENARIOS[False], marks=pytest.mark.slow),
-        pytest.param("prox", False, "robot-10ms", marks=pytest.mark.slow),
-        pytest.param("nn", False, "robot-100ms", marks=pytest.mark.slow),
+        ("pid", True, measured.SCENARIOS[False]), ("mb", True, measured.SCENARIOS[True]),
+        ("prox", False, "robot-10ms"), ("nn", False, "robot-100ms"),
     ],
-)
+)  # fmt: skip
+@pytest.mark.slow_but("pid-True-paper-simulation")
 def test_documented_footprint_holds(law, float32, preset, tmp_path):
     """Renew by ``python -m tests.codegen.measured`` and look at the difference."""
     needs(measured.COMPILER)
@@ -139,14 +126,12 @@ def test_documented_footprint_holds(law, float32, preset, tmp_path):
         assert f"{told.deepest} bytes" in readme
 
 
-@pytest.mark.parametrize(
-    "name", ["clip", "governor, delay of 0 to 30 ms", "governor", "band of 50 commands"]
-)
+@pytest.mark.parametrize("name", measured.FILTERS)
 @pytest.mark.slow_but("clip", "governor, delay of 0 to 30 ms")
 def test_documented_footprint_of_a_filter_holds(name, tmp_path):
     needs(measured.COMPILER)
-    changes = measured.FILTERS[name]
-    found = measured.sizes(FILTER, False, measured.SCENARIOS[False], tmp_path, changes)
+    preset = measured.SCENARIOS[False]
+    found = measured.sizes(FILTER, False, preset, tmp_path, measured.FILTERS[name])
     told = known_footprint(FILTER, False, False, found.operations)
     assert (told.code, told.data, told.stack) == (found.code, found.data, found.stack)
 
@@ -180,13 +165,11 @@ def test_committed_copy_is_what_is_generated(law, float32):
 @pytest.mark.slow_but("prox-False", "nn-True")
 def test_every_member_says_unit_and_meaning(law, guarded):
     files = package_files(law, load_scenario(measured.SCENARIOS[guarded]), float32=True)
-    members = [
-        line for line in files[f"wmr_{law}.h"].splitlines() if line.startswith("    wmr_real")
-    ]
+    lines = files[f"wmr_{law}.h"].splitlines()
+    told = [line.partition("/*")[2] for line in lines if line.startswith("    wmr_real")]
 
-    assert len(members) > 20
-    assert all("/*" in line for line in members)
-    assert all("[" in line.split("/*")[1] for line in members if "nothing" not in line)
+    assert len(told) > 20
+    assert all("[" in text or "nothing" in text for text in told)
     assert len(files["example.c"].splitlines()) <= 46
     assert len(files["README.md"].splitlines()) <= 75
 
@@ -210,18 +193,15 @@ def test_a_name_of_a_scenario_stands_in_comments_alone(name):
     for file, text in plain.items():
         assert len(text.splitlines()) == len(named[file].splitlines())
         assert text.count("`") == named[file].count("`")
-        code, other = (re.sub(r"/\*.*?\*/", "", item, flags=re.S) for item in (text, named[file]))
+        code, other = (re.sub(r"(?s)/\*.*?\*/", "", item) for item in (text, named[file]))
         assert code == other
 
 
 def test_guarded_limits_leave_room_for_the_rounding_of_a_float():
     guarded = load_scenario(measured.SCENARIOS[True])
-    told = re.findall(
-        r"limits_v_u1\[\d\] = ([\d.]+)f?;",
-        "".join(package_files("mb", s, float32=f)["wmr_mb.c"] for s, f in
-                ((guarded, True), (guarded, False), (SCENARIO, True))),
-    )  # fmt: skip
-
-    assert [float(number) for number in told] == [
-        1 - MARGIN, 1.5 * (1 - MARGIN), 1.0, 1.5, 1.0, 1.5
-    ]  # fmt: skip
+    for scenario, float32, share in (
+        (guarded, True, 1 - MARGIN), (guarded, False, 1.0), (SCENARIO, True, 1.0)
+    ):  # fmt: skip
+        text = package_files("mb", scenario, float32=float32)["wmr_mb.c"]
+        told = re.findall(r"limits_v_u1\[\d\] = ([\d.]+)f?;", text)
+        assert [*map(float, told)] == [share, 1.5 * share]

@@ -23,10 +23,8 @@ def test_noise_is_philox_with_integers_of(flag, tmp_path):
     philox = ct.CDLL(str(tmp_path / "noise.so")).wmr_philox
     draw = np.random.default_rng(3)
     for _ in range(200):
-        counter = draw.integers(0, 2**64, 4, dtype=np.uint64)
-        counter[0] = max(int(counter[0]), 1)
-        key = draw.integers(0, 2**64, 2, dtype=np.uint64)
-        out = BLOCK()
-        philox(BLOCK(*map(int, counter)), (ct.c_uint64 * 2)(*map(int, key)), out)
-        before = counter - np.array([1, 0, 0, 0], dtype=np.uint64)
+        before, key = (draw.integers(0, 2**64 - 1, size, dtype=np.uint64) for size in (4, 2))
+        out, counter = BLOCK(), BLOCK(*map(int, before))
+        counter[0] += 1
+        philox(counter, (ct.c_uint64 * 2)(*map(int, key)), out)
         assert list(out) == np.random.Philox(key=key, counter=before).random_raw(4).tolist()

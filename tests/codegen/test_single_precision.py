@@ -11,37 +11,35 @@ from benchmarks.filter_trials.first_order import BY_SIDE, first_order
 from tests.papers_robot import paper
 from wmr_ctrl.codegen.single_precision import (
     LARGEST_CONSTANT,
-    LIMITS,
     MARGIN,
     package_dialect,
     with_margin,
-)
+)  # fmt: skip
 from wmr_ctrl.control.controller import controller
 from wmr_ctrl.control.filter import filter_system
 from wmr_ctrl.control.setup import settle
 
 
+def values(system):
+    return {item.signal.name: item.value for item in system.params}
+
+
 def test_only_limits_are_lowered():
+    """Of each direction by a share of the larger.
+
+    The limit of v backwards stays: a push alone reaches it, so no command is sent that way.
+    """
     law = controller(settle(paper(), "mb"))
-    pairs = zip(law.params, with_margin(law).params, strict=True)
+    before, after = values(law), values(with_margin(law))
+    assert {name for name in before if before[name] != after[name]} == {"limits.v_u1"}
+    lowered = [x * (1 - MARGIN) for x in paper().limits.v_u1]
+    assert after["limits.v_u1"] == pytest.approx(lowered, rel=1e-15)
 
-    changed = {old.signal.name for old, new in pairs if old.value != new.value}
-    assert changed == {"limits.v_u1"} <= set(LIMITS)
-    (lowered,) = (p for p in with_margin(law).params if p.signal.name == "limits.v_u1")
-    assert lowered.value == pytest.approx(
-        [x * (1 - MARGIN) for x in paper().limits.v_u1], rel=1e-15
-    )
-
-
-def test_limits_of_each_direction_keep_a_share_of_the_larger():
-    """The limit of v backwards stays: a push alone reaches it, so no command is sent that way."""
     sides = {"limits.v_min": (-0.05, -0.4), "limits.v_max": (0.8, 0.06)}
-    law = filter_system(scenario("governor", sides))
-    values = {item.signal.name: item.value for item in with_margin(law).params}
-
+    own = values(with_margin(filter_system(scenario("governor", sides))))
     less = MARGIN * np.array([0.8, 0.4])
-    assert values["limits.v_max"] == pytest.approx(np.array([0.8, 0.06]) - less, rel=1e-15)
-    assert values["limits.v_min"] == pytest.approx([-0.05, -0.4 + less[1]], rel=1e-15)
+    assert own["limits.v_max"] == pytest.approx(np.array([0.8, 0.06]) - less, rel=1e-15)
+    assert own["limits.v_min"] == pytest.approx([-0.05, -0.4 + less[1]], rel=1e-15)
 
 
 @pytest.mark.parametrize("kind", ["clip", "governor"])

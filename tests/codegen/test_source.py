@@ -24,8 +24,8 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_kept_text_is_the_emitters(folder):
-    assert source.cached_definition(example()) == definition(example())
-    assert source.cached_definition(example()) == definition(example())
+    for _ in range(2):
+        assert source.cached_definition(example()) == definition(example())
     assert source.cached_definition(example(), LANES) == definition(example(), LANES)
     assert len(list(folder.rglob("*.c"))) == 2
 

@@ -1,6 +1,6 @@
 import ctypes
+import math
 import os
-import shutil
 import sys
 import textwrap
 import time
@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.compilers import where
 from wmr_ctrl.codegen import cache as build_cache
 from wmr_ctrl.codegen import compiler, toolchain
 from wmr_ctrl.codegen.compiler import Toolchain, compile_library, default_flags, library_suffix
-from wmr_ctrl.codegen.resources import fmu_dir, runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 from wmr_ctrl.core.errors import CompilerError
 
@@ -85,8 +85,8 @@ def hide_compilers(monkeypatch, *, zig):
 
 def square(library):
     function = ctypes.CDLL(str(library)).square
-    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
-    return function(3.0)
+    function.restype = ctypes.c_double
+    return function(ctypes.c_double(3.0))
 
 
 # -- a compiler that works ----------------------------------------------------------------------
@@ -98,12 +98,10 @@ def test_finds_a_compiler_and_builds_once(cache):
     assert library.name == f"square{library_suffix()}"
     assert library.is_relative_to(cache)
     assert square(library) == 9.0
+    assert sys.float_info.min / 2.0 > 0.0  # it leaves small numbers alone
     assert build_library(SOURCES, name="square") == library
     assert len(list(cache.glob("kernels/*/stamp.json"))) == 2  # the trial's and ours
-
-
-def test_flags_are_part_of_the_key():
-    assert build_library(SOURCES) != build_library(SOURCES, flags=("-DA=1",))
+    assert build_library(SOURCES, name="square", flags=("-DA=1",)) != library
 
 
 def test_values_are_kept_as_written():
@@ -114,38 +112,26 @@ def test_values_are_kept_as_written():
         "EXPORT double same(double a) { return a == a; }\n"
     )
     library = ctypes.CDLL(str(build_library({"a.c": text}, find_toolchain(native=True))))
-    for name, arity in (("fused", 3), ("sum", 2), ("same", 1)):
-        function = getattr(library, name)
-        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * arity
-
     a = 1.0 + 2.0**-30
-    assert library.fused(a, a, -(a * a)) == 0.0
-    assert library.sum(1.0, 1e-17) == 0.0
-    assert library.same(float("nan")) == 0.0
-
-
-def test_loading_a_library_leaves_denormals_alone():
-    ctypes.CDLL(str(build_library(SOURCES)))
-
-    assert sys.float_info.min / 2.0 > 0.0
+    for name, *given in (("fused", a, a, -(a * a)), ("sum", 1.0, 1e-17), ("same", math.nan)):
+        function = library[name]
+        function.restype = ctypes.c_double
+        assert function(*map(ctypes.c_double, given)) == 0.0
 
 
 def test_this_processor_alone_is_part_of_the_key():
-    portable, native = find_toolchain(), find_toolchain(native=True)
+    portable, native = find_toolchain(("-O1",)), find_toolchain(native=True)
 
+    assert portable.flags[-1] == "-O1"
     assert portable.flags != native.flags
     assert compiler._processor() in native.key
     assert compiler._processor() not in portable.key
 
 
-def test_extra_flags_come_last():
-    assert find_toolchain(("-O1",)).flags[-1] == "-O1"
-
-
 @posix
 def test_named_compiler_may_have_arguments(fake, monkeypatch):
-    real = shutil.which("cc") or pytest.skip("no cc to stand behind the wrapper")
-    path = fake(f"assert sys.argv[1] == 'front'\nos.execv({real!r}, ['cc', *sys.argv[2:]])", "wrap")
+    call = f"os.execv({where('cc')!r}, ['cc', *sys.argv[2:]])"
+    path = fake(f"assert sys.argv[1] == 'front'\n{call}", "wrap")
     monkeypatch.setenv("WMR_CTRL_CC", f"'{path}' front")
 
     found = find_toolchain()
@@ -157,6 +143,7 @@ def test_named_compiler_may_have_arguments(fake, monkeypatch):
 @needs_zig
 @pytest.mark.slow
 def test_zig_is_used_where_path_has_no_compiler(zig_cache, tmp_path, monkeypatch):
+    """It can be named, too."""
     hide_compilers(monkeypatch, zig=False)
     monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
     monkeypatch.setenv("HOME", str(tmp_path / "nowhere"))
@@ -168,15 +155,7 @@ def test_zig_is_used_where_path_has_no_compiler(zig_cache, tmp_path, monkeypatch
     assert square(build_library(SOURCES, found)) == 9.0
     assert not (tmp_path / "nowhere").exists()
     assert (zig_cache / "zig").is_dir()
-
-
-@needs_zig
-@pytest.mark.slow
-def test_zig_cc_can_be_named_without_zig_on_path(zig_cache, monkeypatch):
     monkeypatch.setenv("WMR_CTRL_CC", "zig cc")
-    monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
-    monkeypatch.setenv("PATH", "")
-
     assert find_toolchain().name == "zig cc"
 
 
@@ -199,23 +178,14 @@ def test_no_compiler_at_all_says_what_to_install(monkeypatch):
     with pytest.raises(CompilerError) as caught:
         find_toolchain()
 
-    message = str(caught.value)
-    assert "\n" not in message
-    for remedy in (
-        "pip install 'wmr_ctrl[compiler]'",
-        "apt install gcc",
-        "WMR_CTRL_CC",
-        "--engine numpy",
-    ):
-        assert remedy in message
+    for remedy in ("pip install 'wmr_ctrl[compiler]'", "apt install gcc", "--engine numpy"):
+        assert remedy in str(caught.value)
 
 
 def test_named_compiler_that_is_missing_is_not_replaced_by_another(monkeypatch):
     monkeypatch.setenv("WMR_CTRL_CC", "no-such-compiler -v")
 
-    with pytest.raises(
-        CompilerError, match=r"WMR_CTRL_CC.*no-such-compiler.*pip install 'wmr_ctrl.compiler"
-    ):
+    with pytest.raises(CompilerError, match=r"WMR_CTRL_CC.*no-such-compiler.*pip install 'wmr_ctr"):
         find_toolchain()
 
 
@@ -243,9 +213,7 @@ def test_broken_compilers_on_path_are_told(fake, monkeypatch, body, said):
 
 @posix
 def test_next_compiler_is_tried_after_a_broken_one(fake, monkeypatch):
-    works = shutil.which("gcc") or shutil.which("cc")
-    if works is None:
-        pytest.skip("NOT RUN: no compiler on this machine")
+    works = where("gcc", "cc")
     path = fake("sys.exit(1)")
     other = path.with_name("gcc")
     other.write_text(f"#!/bin/sh\nPATH='{os.environ['PATH']}' exec {works} \"$@\"\n")
@@ -279,7 +247,6 @@ def test_failing_compiler_leaves_no_library(fake, cache, body, said):
         build_library(SOURCES, broken, timeout=1.0)
 
     assert time.monotonic() - start < 20.0
-    assert "\n" not in str(caught.value)
     assert "--engine numpy" in str(caught.value)
     assert list((cache / "kernels").iterdir()) == []
 
@@ -318,24 +285,13 @@ def test_wrong_source_names_line_command_and_remedy():
     with pytest.raises(CompilerError) as caught:
         build_library({"wrong.c": "int f(void) { return undeclared_thing; }"})
 
-    message = str(caught.value)
-    assert "undeclared_thing" in message
-    assert "wrong.c" in message
-    assert "-ffp-contract=off" in message
-    assert "WMR_CTRL_CC" in message
+    for part in ("undeclared_thing", "wrong.c", "-ffp-contract=off", "WMR_CTRL_CC"):
+        assert part in str(caught.value)
 
 
 def test_compiler_that_cannot_be_started_is_a_compiler_error(tmp_path):
     with pytest.raises(CompilerError, match="missing"):
         compile_library(of(tmp_path / "missing"), [], tmp_path / "lib.so")
-
-
-# -- where the C sources are --------------------------------------------------------------------
-
-
-def test_runtime_is_found():
-    assert runtime_dir() == fmu_dir() / "runtime"
-    assert list(runtime_dir().glob("*.c"))
 
 
 @pytest.mark.parametrize("asked, level", [("", "-O3"), ("1", "-O1"), (" 0 ", "-O0")])

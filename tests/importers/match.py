@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 REFERENCE = "extra/org.wmr-ctrl/reference.csv"
-SAME_TIME = 1e-6
-"""Times [s] that are nearer to each other are the same instant."""
+SAME_TIME = 1e-5
+"""Times [s] that are equal to so much are the same instant."""
 LEAST = 10
 """Fewer common instants are no comparison."""
 
@@ -64,16 +64,9 @@ def pairs(found, wanted):
 
     A tool may write two rows for an instant at which something is sampled: the last one counts.
     """
-    rows, place = [], 0
-    for k, time in enumerate(wanted):
-        while place < len(found) and found[place] < time - SAME_TIME:
-            place += 1
-        last = place
-        while last < len(found) and found[last] <= time + SAME_TIME:
-            last += 1
-        if last > place:
-            rows.append((last - 1, k))
-    return rows
+    last = {round(time / SAME_TIME): i for i, time in enumerate(found)}
+    places = (last.get(round(time / SAME_TIME)) for time in wanted)
+    return [(i, k) for k, i in enumerate(places) if i is not None]
 
 
 def differences(found, wanted, only=()):

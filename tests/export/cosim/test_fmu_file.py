@@ -61,10 +61,10 @@ def packed(tmp_path_factory):
                for kind in ("Boolean", "Int8", "Float32")}  # fmt: skip
     rest = [f"{of} {name}({given}) {{ return 0; }}" for of, name, given in every
             if name not in written]  # fmt: skip
-    more, library = folder / "rest.c", folder / "foreign3.so"
-    more.write_text("\n".join(['#include "fmi3Functions.h"', *rest]))
+    others, library = folder / "rest.c", folder / "foreign3.so"
+    others.write_text("\n".join(['#include "fmi3Functions.h"', *rest]))
     flags = ["-shared", "-fPIC", "-w", f"-I{HEADERS}", "-o", library]
-    finished([where("cc"), *flags, SOURCE, more, "-lm"])
+    finished([where("cc"), *flags, SOURCE, others, "-lm"])
     rows = []
     for i, (name, kind) in enumerate(KINDS.items()):
         more = 'initial="calculated"' if kind == "output" else 'start="0"'
@@ -99,7 +99,7 @@ def packed(tmp_path_factory):
             files[f"binaries/{platform_tuple}/{library_name}.so"] = library.read_bytes()
         if sources:
             files["sources/buildDescription.xml"] = build
-            files |= {f"sources/{unit.name}": unit.read_bytes() for unit in (SOURCE, more)}
+            files |= {f"sources/{unit.name}": unit.read_bytes() for unit in (SOURCE, others)}
         return write_archive(folder / f"{name}.fmu", files)
 
     return pack

@@ -46,29 +46,14 @@ def test_foreign_plant_with_other_names_units_and_sampling(their_plant):
 
 
 @pytest.mark.slow
-def test_foreign_controller_drives_our_plant(their_controller):
-    run = cosimulate(SHORT, **their_controller)
-    assert run.law == "TheirController"
-    assert "controller: TheirController (TheirController.fmu" in summary_text(run)
-    assert (run["v1"][-1], run["omega"][-1]) == pytest.approx((0.3, 0.0), abs=0.05)
-    assert np.isnan(run["V1"]).all()
-    assert np.isfinite(run["e"]).all()
-
-
-@pytest.mark.slow
 def test_the_command_tells_a_script_that_an_fmu_failed(foreign, mapped, tmp_path):
     plant, saved = foreign("TheirFailure", FAILING), tmp_path / "run.npz"
-    words = f"paper-simulation-no-switch --set clock.duration=1.0 --law pid --out {saved}"
+    words = f"paper-simulation-no-switch --set clock.duration=1.0 --law pid --json --out {saved}"
     given = ("cosim", *words.split(), "--plant", str(plant), "--map", str(mapped(PLANT_MAP)))
-    said = f"the FMU {plant} (plant) failed at t = 0.5 s in doStep."
-    text, told = (
-        CliRunner().invoke(root, [*given, *more], env={"COLUMNS": "999"})
-        for more in ((), ("--json",))
-    )
-    assert (text.exit_code, told.exit_code) == (3, 3)
-    assert f"error: {said}" in flat(text.stderr)
-    assert said in flat(text.stdout)
-    assert load_run(saved).outcome == json.loads(told.stdout)["outcome"] == "failed"
+    done = CliRunner().invoke(root, given, env={"COLUMNS": "999"})
+    assert done.exit_code == 3
+    assert f"error: the FMU {plant} (plant) failed at t = 0.5 s in doStep." in flat(done.stderr)
+    assert load_run(saved).outcome == json.loads(done.stdout)["outcome"] == "failed"
 
 
 @pytest.mark.slow
@@ -151,15 +136,18 @@ def test_a_guard_that_is_not_told_of_the_masters_delay_promises_nothing(known):
     assert (run.outcome == "bounds-left") is not known
 
 
+@pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.slow
-def test_fmpys_ssp_simulation_is_the_jacobi_master(tmp_path):
-    (package,) = export_ssp(law="prox", scenario=SHORT, out=tmp_path, delay_known=True)
+def test_fmpys_ssp_simulation_is_the_jacobi_master(tmp_path, flat):
+    given = {"scenario": SHORT, "delay_known": True}
+    (package,) = export_ssp(law="prox", out=tmp_path, flat=flat, **given)
     found = simulate_ssp(str(package), stop_time=2.995, step_size=0.01)
-    run = cosimulate(SHORT, "prox", master="jacobi", delay_known=True)
+    run = cosimulate(law="prox", master="jacobi", **given)
+    assert ("plant.noise_right" in found.dtype.names) is not flat
     for name in ("x", "y", "theta", "v1", "omega"):
-        assert np.array_equal(found[name][: run.rows - 1], run[name][1:]), name
+        assert np.array_equal(found[f"plant.{name}"][:-1], run[name][1:]), name
     for name in ("margin", "clip_active[1]", "d_least[1]", "d_least[2]", "feasible"):
-        assert np.array_equal(found[name][: run.rows], run[name]), name
+        assert np.array_equal(found[f"controller.{name}"], run[name]), name
 
 
 def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path):

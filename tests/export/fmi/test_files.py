@@ -16,7 +16,7 @@ from tests.commands import finished
 from tests.compilers import where
 from tests.export.conftest import MADE
 from tests.export.fmi.test_targets import HEADERS, WHAT, linux
-from tests.languages import STRICT, compile_all
+from tests.languages import compile_all
 from wmr_ctrl.export.fmi.files import sources_of
 from wmr_ctrl.export.fmi.fmu_files import model_of, scenario_given, write_fmu
 from wmr_ctrl.export.fmi.targets import targets_of
@@ -56,18 +56,6 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
     assert len(seen) > 2 * len(WHAT)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "what, compiler, version",
-    [("plant", "gcc", 3), ("closed-loop", "clang", 2), ("prox", "gcc", 2)],
-)
-def test_optimising_compilers_find_nothing_to_warn_of(tmp_path, compiler, what, version):
-    units = unpacked(what, version, tmp_path)
-    flags = ["-std=c99", *STRICT.split(), "-O1", "-fPIC", "-shared", "-fvisibility=hidden"]
-    command = [where(compiler), *flags, "-isystem", "standard", "-o", "x.so", *units, "-lm"]
-    finished(command, cwd=tmp_path)
-
-
 @linux
 @pytest.mark.slow
 @pytest.mark.parametrize(
@@ -95,7 +83,7 @@ def test_rebuilt_from_its_own_sources(exported, tmp_path, what, version, compile
     library = next(tmp_path.glob("binaries/*/*.so"))
     before = library.read_bytes()
     objects = [unit.replace(".c", ".o") for unit in units]
-    compiled = [*flags.split(), "-fPIC", "-fvisibility=hidden", "-c", *units]
+    compiled = [*flags.split(), "-Wall", "-Werror", "-fPIC", "-fvisibility=hidden", "-c", *units]
     for words in (compiled, ["-shared", "-o", library, *objects, "-lm"]):
         finished([where(compiler), *words], cwd=tmp_path / "sources")
     assert library.read_bytes() != before

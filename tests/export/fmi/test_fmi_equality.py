@@ -73,26 +73,6 @@ def test_change_inside_a_control_period():
     assert_same(simulate(off, "mb", seed=2), cosimulate(off, "mb", seed=2), 1e-12)
 
 
-def test_first_instant_of_a_step_counts_for_the_law(raw):
-    """Inputs set before the step act in it, and are held until the next sample."""
-    law, shown = raw("mb", 2).new().begin(), []
-    for v1, t, h in ((0.0, 0.0, 0.01), (0.3, 0.01, 0.004), (0.1, 0.014, 0.006)):
-        assert law.put({"v1": v1}) == OK
-        shown += law.get("tau_right")
-        assert law.step(t, h) == OK
-    shown += law.get("tau_right")
-    assert shown[0] == shown[1] != shown[2] == shown[3]
-
-
-def test_a_long_step_samples_at_each_period(raw):
-    one, many = raw("nn", 2).new().begin(), raw("nn", 2).new().begin()
-    assert one.step(0.0, 0.1) == 0
-    for k in range(10):
-        assert many.step(0.01 * k, 0.01) == 0
-    assert one.all()[1:] == many.all()[1:]
-    assert raw("nn", 2).new().begin().get("W_norm[1]") != one.get("W_norm[1]")
-
-
 @both
 def test_model_exchange_with_cvode_agrees(exported, version):
     given = {"stop_time": 5.0, "output_interval": 0.01, "output": REACHED}

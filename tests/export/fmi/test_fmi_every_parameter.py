@@ -4,22 +4,25 @@ import numpy as np
 import pytest
 
 from tests.export.fmi.test_fmi_equality import assert_loop_is, assert_same
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.world.scenario import load_scenario, override
 
-BASE = load_scenario("paper-simulation", {
-    "clock.duration": 0.3, "initial.velocity": [0.31, -0.95], "actuator.tau_max": 6.0,
-    "limits": {"v_u1": [0.4, 1.2], "v_u2": [0.15, 0.4], "clip": 0.02},
-    "disturbance": {"std": 1.0, "truncate": 0.8, "push": [3.0, 0.5]},
-    "sensor.pose_period": 0.04, "sensor.pose_noise": 0.01, "sensor.correction": 0.6,
-    "sensor.velocity_noise": [0.002, 0.004], "gains.kinematics.k": [8.0, 5.0, 4.0],
-    "changes": [{"t": 0.1, "m": 60.0, "I": 6.0, "mu": 0.12}],
-})  # fmt: skip
+BASE = load_scenario("paper-simulation", changes("""
+    clock.duration = 0.3
+    initial.velocity = [0.31, -0.95]
+    actuator.tau_max = 6.0
+    limits = {v_u1 = [0.4, 1.2], v_u2 = [0.15, 0.4], clip = 0.02}
+    disturbance = {std = 1.0, truncate = 0.8, push = [3.0, 0.5]}
+    sensor = {pose_period = 0.04, pose_noise = 0.01, correction = 0.6}
+    sensor.velocity_noise = [0.002, 0.004]
+    gains.kinematics.k = [8.0, 5.0, 4.0]
+    changes = [{t = 0.1, m = 60.0, I = 6.0, mu = 0.12}]
+"""))  # fmt: skip
 """Everything that is a number acts, within 0.3 s."""
-GUARDED = override(
-    BASE, {"guard": {"enabled": True, "trust": True, "f_min": [0.1, 0.0], "f_speed": [0.2, 0.3]}}
-)
+GUARD = changes("guard = {enabled = true, trust = true, f_min = [0.1, 0.0], f_speed = [0.2, 0.3]}")
+GUARDED = override(BASE, GUARD)
 KEPT = ("clock", "sensor.pose_period", "seed")
 """Parameters that others have to divide, or that are no number of the scenario."""
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from tests.commands import finished
-from tests.export.fmi.cases import OTHER_LAWS
 from tests.export.fmi.raw import CS, ERROR, ME, OK
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -82,22 +81,6 @@ def test_the_bytes_mean_the_same_in_another_process(raw, what, version):
     done = finished([sys.executable, "-c", ELSEWHERE, json.dumps(given)], cwd=ROOT)
     assert instance.step(0.3, 0.2) == OK
     assert json.loads(done.stdout.rpartition("ALL ")[2]) == [x.hex() for x in instance.all()]
-
-
-@pytest.mark.parametrize("what, version", [("nn", 2), ("nn", 3), *OTHER_LAWS])
-def test_the_monitor_remembers_the_sample_before(raw, what, version):
-    """A jump of the velocity is told from it, in an instance that got its state as bytes too."""
-    first, second, third = (raw(what, version).new() for _ in range(3))
-    assert first.put({"v1": 0.1}) == OK
-    first.begin()
-    third.begin()
-    assert [first.step(0.01 * k, 0.01) for k in (0, 1)] == [OK, OK]
-    assert second.restore(first.bytes_of_state()) == OK
-    for instance, start in ((first, 0.02), (second, 0.02), (third, 0.0)):
-        assert (instance.put({"v1": 0.9}), instance.step(start, 0.01)) == (OK, OK)
-    assert first.all() == second.all()
-    assert first.get("d_least[1]")[0] > 60.0
-    assert third.get("d_least[1]") == [0.0]
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,6 @@ def test_the_windows_library_computes_the_same_bits_under_wine(tmp_path):
 @linux
 @pytest.mark.slow
 def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path):
-    """It exports what the others do."""
     (path,) = export_fmu("closed-loop", fmi=2, target="x86_64-windows", out=tmp_path)
     with zipfile.ZipFile(path) as archive:
         library = archive.extract("binaries/win64/wmr_closed_loop.dll", tmp_path)
@@ -102,9 +101,6 @@ def test_windows_own_c_library_is_all_that_its_library_needs(tmp_path):
     needed = re.findall(r"DLL Name: (\S+)", said)
     assert needed
     assert {name for name in needed if not name.startswith("api-ms-win-crt-")} <= {"KERNEL32.dll"}
-    exported = said.partition("[Ordinal/Name Pointer] Table")[2]
-    found = set(re.findall(r"^\s*\[ *\d+\].*?(\w+)$", exported, flags=re.M))
-    assert found == wanted_functions(2) | {"wmr_closed_loop_scenario_hash"}
 
 
 @zig
@@ -146,7 +142,8 @@ def stepped(folder, target, suffix="", run=()):
             capture_output=True, text=True, timeout=300, check=False,
             env={**os.environ, **(wine() if suffix else {})},
         )  # fmt: skip
-        shown.append((done.returncode, done.stdout.split(), done.stderr.splitlines()))
+        values = [float.fromhex(line) for line in done.stdout.split()]
+        shown.append((done.returncode, values, done.stderr.splitlines()))
     assert (shown[0][0], len(shown[0][1]), shown[1][0]) == (0, 200, 1)
     assert "= 6 is outside of" in str(shown[1])
     return shown

@@ -87,20 +87,6 @@ def assert_apart(*drawn):
         assert np.abs(one.middle - other.middle).max() > one.half + other.half
 
 
-@pytest.mark.slow
-def test_every_port_leads_over_an_edge_and_none_covers_another(text):
-    interfaces = text.partition("end Interfaces;")[0]
-    for part, count in zip(PARTS, (7, 14, 12, 4), strict=True):
-        found = ports(interfaces, part).values()
-        assert len(found) == count
-        assert_apart(*found)
-        for port in found:
-            edge = tuple(int(np.sign(x)) if abs(x) == 110 else 0 for x in port.middle)
-            wanted = LEADS_IN[edge] + 180.0 * (port.kind == "RealOutput")
-            assert (port.turn - wanted) % 360 == 0
-            assert np.abs(port.middle).min() <= 90
-
-
 @pytest.mark.parametrize("law", LAWS)
 def test_what_a_law_shows_stands_beside_its_inputs_and_torques(text, law):
     body = classes(text, "block", law.capitalize())

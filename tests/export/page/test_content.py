@@ -59,13 +59,10 @@ def test_the_robot_is_drawn_as_wide_as_it_is(content):
     assert content.data["names"]["robot.I"][0] == "kg m²"
 
 
-COLOURS = [*(look(law).colour for law in NAMES), *(row["colour"] for row in WAYS.values())]
-
-
-@pytest.mark.parametrize("colour", COLOURS)
-def test_robots_stand_out_in_the_dark_by_the_contrast_of_wcag(colour):
-    assert after_dark(colour) != colour
-    assert contrast(after_dark(colour), "#12161c") >= 4.5
+def test_robots_stand_out_in_the_dark_by_the_contrast_of_wcag():
+    for colour in (*(look(law).colour for law in NAMES), *(row["colour"] for row in WAYS.values())):
+        assert after_dark(colour) != colour
+        assert contrast(after_dark(colour), "#12161c") >= 4.5
 
 
 def contrast(one, other):

@@ -150,8 +150,7 @@ def test_a_link_that_asks_for_too_much_is_followed_and_told_so(opened):
 @pytest.mark.parametrize(
     "link",
     [
-        "scene=moon&laws=nobody&guard=x&period=0.03&delay=9&seed=-1&speed=1e9",
-        "set=robot.m:-5,robot.z:1,limits.v_u1[1]:NaN,__proto__:1,:,robot.mu:1e99",
+        "scene=moon&laws=nobody&guard=x&delay=9&seed=-1&speed=1e9&set=robot.m:-5,__proto__:1,:",
         "%ff%00&set=%",
     ],
 )
@@ -225,21 +224,6 @@ def test_keys(shown):
     assert not shown.value("wmr.page.fleet.variant.guard")
 
 
-def test_names_of_many_robots_in_one_place_find_room(shown):
-    """Wherever they stand: labels move on in one direction."""
-    shown.value(
-        """(() => {
-          const { page } = wmr, { fleet, plane } = page;
-          fleet.choose(page.told.laws.map((law) => law.name));
-          for (let share = 0; share <= 1; share += 0.02) {
-            const [x, y] = plane.world(plane.width * share, plane.height * share);
-            for (const member of fleet.members.values()) member.place({ x, y });
-            page.draw();
-          }
-        })()"""
-    )
-
-
 def test_a_push_ends(shown):
     """It is gone after half a second, and the scene's own numbers hold again."""
     shown.value("wmr.page.fleet.advance(5, 1e9), wmr.page.push()")
@@ -250,16 +234,6 @@ def test_a_push_ends(shown):
     assert shown.value(size) == 100
     shown.value("wmr.page.fleet.advance(0.6, 1e9)")
     assert shown.value(size) == 0
-
-
-def test_columns_for_scripts(shown):
-    columns = shown.value(
-        "wmr.run('mb', 2).then((c) => [Object.keys(c), c.t.length, c['e[1]'][0]])"
-    )
-
-    assert {"t", "x", "e[3]", "V1", "margin"} <= set(columns[0])
-    assert columns[1] == 200
-    assert isinstance(columns[2], float)
 
 
 @pytest.mark.parametrize("dark", [False, True])

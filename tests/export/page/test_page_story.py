@@ -9,7 +9,16 @@ from wmr_ctrl.export.page.scenes import PageScene, story
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.asked import run_corridor
 
+pytestmark = pytest.mark.slow
+
 STEPS = {step.key: step for step in story()}
+
+
+@pytest.fixture(autouse=True)
+def one_variant(monkeypatch):
+    """Of a scene no other period or delay is offered."""
+    for name in ("PERIODS", "LATE"):
+        monkeypatch.setattr(f"wmr_ctrl.export.page.scenes.{name}", ())
 
 
 def run_of(key, law):
@@ -20,13 +29,11 @@ def first_time(run):
     return run.monitor.first_violation[0]
 
 
-@pytest.mark.slow
 def test_the_barrier_holds_and_pid_does_not():
     assert run_of("barrier", "mb").monitor.violations == 0
     assert run_of("barrier", "pid").monitor.max_abs_v[0] == pytest.approx(3.0, abs=0.15)
 
 
-@pytest.mark.slow
 def test_far_away_both_break_and_mb_for_good():
     mb, nn = run_of("far", "mb"), run_of("far", "nn")
 
@@ -36,7 +43,6 @@ def test_far_away_both_break_and_mb_for_good():
     assert first_time(nn) > 3.0
 
 
-@pytest.mark.slow
 def test_at_100_ms_the_papers_laws_break_at_once():
     mb, nn = run_of("slow", "mb"), run_of("slow", "nn")
 
@@ -44,7 +50,6 @@ def test_at_100_ms_the_papers_laws_break_at_once():
     assert mb.summary()["position_rms"]["last_quarter"] > 1.0
 
 
-@pytest.mark.slow
 def test_prox_needs_no_guard_where_nn_does():
     prox, nn = run_of("tuned", "prox"), run_of("tuned", "nn")
 
@@ -53,10 +58,7 @@ def test_prox_needs_no_guard_where_nn_does():
     assert max(nn.summary()["guard_share"]) > 0.5
 
 
-@pytest.mark.slow
-def test_a_page_has_the_certified_corridors(monkeypatch):
-    monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
-    monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
+def test_a_page_has_the_certified_corridors():
     brief = {"clock.duration": 3.0, "changes": [{"t": 1.5, "m": 60.0}]}
     scenario = load_scenario("safe-simulation", brief)
     scene = PageScene("near", "Near", "", scenario, ("prox",))
@@ -73,10 +75,7 @@ def test_a_page_has_the_certified_corridors(monkeypatch):
     }  # fmt: skip
 
 
-@pytest.mark.slow
-def test_a_robot_has_room_for_delay_that_no_law_is_told(monkeypatch):
-    monkeypatch.setattr("wmr_ctrl.export.page.scenes.PERIODS", ())
-    monkeypatch.setattr("wmr_ctrl.export.page.scenes.LATE", ())
+def test_a_robot_has_room_for_delay_that_no_law_is_told():
     known = {"actuator.delay": 0.01, "actuator.unmodelled_delay": 0.9, "clock.plant": 0.001}
     scenario = load_scenario("paper-simulation-nominal", known)
     scene = PageScene("late", "Late", "", scenario, ("pid",))

@@ -11,50 +11,55 @@ from tests.compilers import where
 from tests.export.page.test_module import assert_same_bits, from_page
 from tests.export.page.test_page_browser import READY
 from tests.export.page.walled import walled
+from tests.tables import changes
 from wmr_ctrl.control.filter.stop_numbers import stopping
 from wmr_ctrl.export.page.content import content_of
 from wmr_ctrl.export.page.scenes import members_of, scenes
 from wmr_ctrl.results.obstacles import nearest
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario, override
 
-STRONG = {"base.gain": [1.04, 1.04]}
-NOMINAL = "paper-simulation-nominal"
-SWINGING = {
-    "base.kind": "velocity", "base.loop": "pi", "base.kp": 140.0, "base.ki": 320.0,
-    "robot.m": 60.0, "robot.I": 5.0, "robot.mu": 0.0, "disturbance.std": 0.0,
-    "limits.v_u1": [1.0, 2.0], "limits.v_u2": [0.7, 1.4], "clock.control": 0.05,
-    "filter.loop": "pi", "filter.mass": [50, 65], "filter.inertia": [4, 6],
-    "filter.kp": [135, 165], "filter.ki": [270, 330],
-}  # fmt: skip
+BURGER = load_scenario("turtlebot3-burger")
+STRONG = override(BURGER, {"base.gain": [1.04, 1.04]})
+SWINGING = """
+base = {kind = "velocity", loop = "pi", kp = 140.0, ki = 320.0}
+robot = {m = 60.0, I = 5.0, mu = 0.0}
+disturbance.std = 0.0
+limits = {v_u1 = [1.0, 2.0], v_u2 = [0.7, 1.4]}
+clock.control = 0.05
+filter = {loop = "pi", mass = [50, 65], inertia = [4, 6], kp = [135, 165], ki = [270, 330]}
+"""
+
+
+def swinging(stated):
+    """A base that overshoots, with a filter."""
+    return load_scenario("paper-simulation-nominal", changes(SWINGING) | changes(stated))
 
 
 def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path):
     """Nor does a base without noise have that of a circle with noise."""
     file = tmp_path / "mine.toml"
-    file.write_text(
-        'extends = "paper-simulation"\n[base]\nkind = "velocity"\n[disturbance]\nstd = 0.0\n'
-    )
-    changed = load_scenario("turtlebot3-burger", {"robot.m": 1.2})
-    own = load_scenario("turtlebot3-burger")
-    named = load_scenario(file, {"title": "Mine"})
-    titles = [
-        scenes(each, ("pursuit",))[0].title for each in (load_scenario(file), changed, own, named)
-    ]
-    assert titles == ["mine", "turtlebot3-burger, changed", own.title, "Mine"]
+    file.write_text('extends = "paper-simulation"\nbase.kind = "velocity"\ndisturbance.std = 0.0\n')
+    titles = {
+        "mine": load_scenario(file), "Mine": load_scenario(file, {"title": "Mine"}),
+        BURGER.title: BURGER, "turtlebot3-burger, changed": override(BURGER, {"robot.m": 1.2}),
+    }  # fmt: skip
+    for title, scenario in titles.items():
+        assert scenes(scenario, ("pursuit",))[0].title == title
 
 
 @pytest.mark.parametrize(
-    "name, stated, ways",
+    "scenario, ways",
     [
-        ("turtlebot3-burger", {}, ["clip", "governor"]),
-        ("clearpath-jackal", {}, ["clip"]),
-        (NOMINAL, {**SWINGING, "filter.kind": "band"}, ["clip", "slew", "band"]),
-        (NOMINAL, {**SWINGING, "filter.kind": "clip", "filter.jitter": 0.06}, ["clip"]),
+        (BURGER, ["clip", "governor"]),
+        (load_scenario("clearpath-jackal"), ["clip"]),
+        (swinging('filter.kind = "band"'), ["clip", "slew", "band"]),
+        (swinging('filter.kind = "clip"; filter.jitter = 0.06'), ["clip"]),
     ],
+    ids=["burger", "jackal", "band", "late"],
 )
-def test_a_base_has_the_filters_that_hold_for_it(name, stated, ways):
+def test_a_base_has_the_filters_that_hold_for_it(scenario, ways):
     """One that overshoots has slow commands, too."""
-    members = members_of(load_scenario(name, stated), ["pursuit"])
+    members = members_of(scenario, ["pursuit"])
 
     assert [item.name for item in members] == [
         f"pursuit-{way}" for way in ("clipped", "smoothed", *ways)
@@ -62,43 +67,32 @@ def test_a_base_has_the_filters_that_hold_for_it(name, stated, ways):
     assert len({item.look.colour for item in members}) == len(members)
 
 
-def test_the_slew_that_is_stated_is_the_one_that_is_shown():
-    stated = {"filter.kind": "clip", "filter.slew": [0.1, 0.3]}
-    members = members_of(load_scenario(NOMINAL, {**SWINGING, **stated}), ["pursuit"])
-    shown = {item.name: item.overrides["filter.slew"] for item in members}
+def test_members_have_the_slew_that_is_stated_and_laws_their_own_limits():
+    """A robot that takes torques is there once for each law."""
+    slow = members_of(swinging('filter.kind = "clip"; filter.slew = [0.1, 0.3]'), ["pursuit"])
+    shown = {item.name: item.overrides["filter.slew"] for item in slow}
+    own = members_of(BURGER, ["prox", "kanayama"])
+    torques = members_of(load_scenario("paper-simulation"), ["mb", "nn"])
 
-    assert shown["pursuit-slew"] == (0.1, 0.3)
-    assert shown["pursuit-clip"] is None
-
-
-def test_a_law_with_limits_of_its_own_is_shown_with_them_and_filtered():
-    members = members_of(load_scenario("turtlebot3-burger"), ["prox", "kanayama"])
-
-    assert [item.name for item in members][:3] == ["prox-clipped", "prox-clip", "prox-governor"]
-    assert members[0].look.dash != members[-1].look.dash
-
-
-def test_a_robot_that_takes_torques_is_there_once_for_each_law():
-    members = members_of(load_scenario("paper-simulation"), ["mb", "nn"])
-
-    assert [(item.name, item.law) for item in members] == [("mb", "mb"), ("nn", "nn")]
+    assert (shown["pursuit-slew"], shown["pursuit-clip"]) == ((0.1, 0.3), None)
+    assert [item.name for item in own][:3] == ["prox-clipped", "prox-clip", "prox-governor"]
+    assert own[0].look.dash != own[-1].look.dash
+    assert [(item.name, item.law) for item in torques] == [("mb", "mb"), ("nn", "nn")]
 
 
 @pytest.fixture(scope="module")
 def burger(tmp_path_factory):
-    scenario = load_scenario("turtlebot3-burger", STRONG)
     page = tmp_path_factory.mktemp("page") / "burger.html"
-    return wmr_ctrl.write_page(page, scenario, laws=["pursuit"])
+    return wmr_ctrl.write_page(page, STRONG, laws=["pursuit"])
 
 
 @pytest.mark.slow
 def test_its_page_has_the_numbers_of_runs_and_shows_what_the_filter_is_for(burger, tmp_path):
-    scenario = load_scenario("turtlebot3-burger", STRONG)
-    members = members_of(scenario, ["pursuit"])
+    members = members_of(STRONG, ["pursuit"])
     shown = from_page(burger, tmp_path, [(item.name, 80.0, {}) for item in members])
 
     for item, columns in zip(members, shown, strict=True):
-        run = wmr_ctrl.simulate(item.settled(scenario).scenario, item.law)
+        run = wmr_ctrl.simulate(item.settled(STRONG).scenario, item.law)
         assert_same_bits(columns, run)
         filtered = item.name.split("-")[1] in ("clip", "governor")
         assert (np.abs(run["v1"]).max() <= 0.22) == filtered
@@ -137,8 +131,8 @@ def test_before_a_wall_there_are_clipped_commands_the_approach_rule_and_the_filt
     told = content_of(shown, ("kanayama",), 0, lambda _: None)
     (scene,), loops = told.data["scenes"], {item.name for item in told.loops}
     ways = scene["stops"]["ways"]
-    burger = scenes(load_scenario("turtlebot3-burger"), ("pursuit",))
-    other = content_of(burger, ("pursuit",), 0, lambda _: None).data["scenes"][0]
+    burger = content_of(scenes(BURGER, ("pursuit",)), ("pursuit",), 0, lambda _: None)
+    other = burger.data["scenes"][0]
 
     assert scene["shown"] == ("kanayama-clipped", "kanayama-approach", "kanayama-governor")
     assert len(loops) == 3

@@ -10,6 +10,7 @@ import pytest
 
 from tests.commands import finished
 from tests.compilers import where
+from tests.tables import changes
 from wmr_ctrl.api import export_fmu
 from wmr_ctrl.codegen.package import c_name, package_files, packaged
 from wmr_ctrl.control.setup import settle
@@ -23,11 +24,14 @@ from wmr_ctrl.world.scenario import load_scenario, override
 HERE = Path(__file__).parent
 SCENARIO = load_scenario("paper-simulation")
 SAFE = load_scenario("safe-simulation")
-OTHER = {
-    "limits.v_u1": [1.1, 1.7], "limits.v_u2": [0.7, 1.2], "actuator.tau_max": 30.0,
-    "robot.r": 0.11, "robot.l": 0.27, "model.m": 55.0, "model.I": 6.0,
-    "guard.mass_margin": 0.2, "gains.kinematics.k": [8.0, 4.0, 3.5],
-}  # fmt: skip
+OTHER = changes("""
+    limits = {v_u1 = [1.1, 1.7], v_u2 = [0.7, 1.2]}
+    actuator.tau_max = 30.0
+    robot = {r = 0.11, l = 0.27}
+    model = {m = 55.0, I = 6.0}
+    guard.mass_margin = 0.2
+    gains.kinematics.k = [8.0, 4.0, 3.5]
+""")
 STRICT = ("-Wall", "-Wextra", "-Werror", "-O1", "-ffp-contract=off")
 
 
