@@ -171,16 +171,3 @@ def test_lanes_have_the_bits_of_numbers(vectors):
     # The functions of both are sine and cosine, and exp_many is exp.
     assert (found["sin_of_both"], found["cos_of_both"]) == (found["sin"], found["cos"])
     assert len(set(found.values())) == len(EVERY) - 3
-
-
-@pytest.mark.slow
-def test_branches_of_other_lanes_change_nothing():
-    """Numbers of all kinds side by side, against the same number in all lanes."""
-    toolchain = find_toolchain()
-    lanes = library(toolchain, ("-DWMR_LANES=8", "-Wno-psabi"))
-    draw = np.random.default_rng(2)
-    given = draw.permutation(np.concatenate([np.tile(SPECIAL, 4), draw.normal(size=500) * 20]))
-    for name in EVERY:
-        mixed = called(name, given, given[::-1], of=lanes)
-        alone = called(name, given, given[::-1], of=library())
-        assert np.array_equal(mixed, alone, equal_nan=True), name

@@ -53,40 +53,32 @@ def check_tools(platform):
 
 def differences(platform, law, names, folder):
     """Where a platform's bits differ from those of our library here."""
-    runner, listed = check_tools(platform), tuple(names)
-    shown = ran([*runner, str(built(platform, law, listed, folder))], folder)
-    texts, at = [], 0
-    for name in listed:
+    runner = check_tools(platform)
+    shown = ran([*runner, str(built(platform, law, names, folder))], folder)
+    texts = []
+    for name in names:
         size = len(bits_of(law, name))
-        texts.append(different(law, name, shown[at : at + size]))
-        at += size
-    return [text for text in texts if text] + [f"{law}: more bytes"] * (at != len(shown))
+        texts.append(different(law, name, shown[:size]))
+        shown = shown[size:]
+    return [text for text in texts if text] + [f"{law}: more bytes"] * bool(shown)
 
 
 def built(platform, law, names, folder):
     """The program of a law's cases; every case has a folder of its own there."""
-    listed = tuple(names)
-    units = [written(platform.lanes, law, name, folder / name) for name in listed]
-    cases = " ".join(f"X({name})" for name in listed)
+    units = [str(HERE / "main.c")]
+    for name in names:
+        one, own = case(law, name), folder / name
+        text = one.program.generated_lanes if platform.lanes else one.program.generated_watched
+        files = {**unity(text, LOOP), "numbers.h": numbers(one)}
+        own.mkdir(parents=True)
+        for file, content in {**files, "case.c": (HERE / "case.c").read_text("utf-8")}.items():
+            (own / file).write_text(str(content), encoding="utf-8")
+        units.append(str(own / "case.c"))
+    cases = " ".join(f"X({name})" for name in names)
     (folder / "cases.h").write_text(f"#define CASES(X) {cases}\n", encoding="utf-8")
-    out = folder / f"cases{platform.suffix}"
-    command = [
-        *platform.command, *FLAGS, f"-DWMR_LANES={platform.lanes}", f"-I{folder}", f"-I{HERE}"
-    ]  # fmt: skip
-    compile_program(folder, command, [str(HERE / "main.c"), *map(str, units)], str(out))
+    out, own = folder / f"cases{platform.suffix}", (f"-DWMR_LANES={platform.lanes}", f"-I{folder}")
+    compile_program(folder, [*platform.command, *FLAGS, *own, f"-I{HERE}"], units, str(out))
     return out
-
-
-def written(lanes, law, name, folder):
-    """The unit of a case, with all that it includes beside it."""
-    one = case(law, name)
-    text = one.program.generated_lanes if lanes else one.program.generated_watched
-    unit = folder / "case.c"
-    folder.mkdir(parents=True)
-    for file, content in {**unity(text, LOOP), "numbers.h": numbers(one)}.items():
-        (folder / file).write_text(str(content), encoding="utf-8")
-    unit.write_text((HERE / "case.c").read_text(encoding="utf-8"), encoding="utf-8")
-    return unit
 
 
 def ran(command, folder):

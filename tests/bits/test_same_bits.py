@@ -2,13 +2,11 @@
 
 import pytest
 
-from tests.bits.cases import CASES, SEED, bits_of, case, different
+from tests.bits.cases import bits_of, case, different
 from tests.bits.platforms import HERE, Platform, differences
 from tests.compilers import ARM, NODE, QEMU, SIMD128, WASM, WINE, ZIG
 from wmr_ctrl.codegen.compiler import UNFUSED
 from wmr_ctrl.core.signals import elements
-from wmr_ctrl.simulation.many import each_task
-from wmr_ctrl.simulation.memory import Task
 
 NATIVE = "-march=native"
 LANES_OF_OURS = ("-O3", "-fno-tree-vectorize")
@@ -37,15 +35,6 @@ ELSEWHERE = (
 )
 EVERYWHERE = {platform.name: platform for platform in HERE_NOW + ELSEWHERE}
 """By name; ``python -m tests.bits`` takes all."""
-
-
-@pytest.mark.slow
-def test_cases_differ_and_the_guard_acts_in_its_own():
-    assert len({bits_of("mb", name) for name in CASES}) == len(CASES)
-    for name in ("guarded", "everything"):
-        task = Task(case("mb", name).loop, SEED)
-        (run,) = each_task([task], lambda _, run: run, engine="native")
-        assert run["clip_active"].any()
 
 
 @pytest.mark.slow

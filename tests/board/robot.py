@@ -1,9 +1,7 @@
-"""The robot and its reference on the host, from the compiled kernels, sample by sample."""
+"""The robot and its reference on the host, sample by sample."""
 
 import numpy as np
 
-from tests.codegen.compiled import compiled
-from wmr_ctrl.codegen.emit import kernel
 from wmr_ctrl.export.fmi.blocks import stepped_plant
 from wmr_ctrl.world.references.kind import reference
 
@@ -13,18 +11,16 @@ class Robot:
 
     def __init__(self, scenario, start=None):
         (plant, step), desired = stepped_plant(scenario), reference(scenario)
-        sample = kernel("desired", "Desired trajectory.", {"u": desired.u, "p": desired.p},
-                        {"y": desired.y})  # fmt: skip
         self.clock = scenario.clock
-        self._step, self._reference = compiled([step, sample])
-        self._plant_p, self._reference_p = np.array(plant.p0), np.array(desired.p0)
+        self._step, self._plant_p = step.function, plant.p0
+        self._reference, self._p = desired.function("desired", [desired.y]), desired.p0
         self._more = np.zeros(plant.u.numel() - 2)
         self.state = np.array(plant.x0 if start is None else start, dtype=float)
         self.velocities = [self.state[3:]]
 
     def reference(self, k):
         """Desired trajectory at sample k."""
-        return self._reference(np.array([k * self.clock.control]), self._reference_p)
+        return self._reference(k * self.clock.control, [], self._p).full().ravel()
 
     def inputs(self, k):
         """What the law is given at sample k."""
@@ -34,7 +30,7 @@ class Robot:
         """One control period with the torques held."""
         u = np.concatenate([torque, self._more])
         for _ in range(self.clock.substeps):
-            self.state = self._step(u, self.state, self._plant_p)
+            self.state = self._step(u, self.state, self._plant_p).full().ravel()
             self.velocities.append(self.state[3:])
 
     def distance(self, k):

@@ -1,31 +1,21 @@
 """Compile single kernels and call them on arrays."""
 
 import ctypes as ct
-import math
+import shutil
 
 import casadi as ca
 import numpy as np
 
 from tests.arithmetic.functions import one
+from tests.compilers import compile_in
 from wmr_ctrl.codegen.emit import QUALIFIERS, definition
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
 _HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n'
 REALS = ct.POINTER(ct.c_double)
-ELEMENTARY = {
-    ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos",
-}  # fmt: skip
-EXACT = {
-    ca.OP_ASSIGN: lambda a: a, ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b,
-    ca.OP_MUL: lambda a, b: a * b, ca.OP_DIV: lambda a, b: a / b, ca.OP_NEG: lambda a: -a,
-    ca.OP_SQ: lambda a: a * a, ca.OP_TWICE: lambda a: 2 * a, ca.OP_INV: lambda a: 1 / a,
-    ca.OP_SQRT: math.sqrt, ca.OP_FABS: abs, ca.OP_FMIN: min, ca.OP_FMAX: max,
-    ca.OP_SIGN: lambda a: (a > 0) - (a < 0), ca.OP_LT: lambda a, b: a < b,
-    ca.OP_LE: lambda a, b: a <= b, ca.OP_NOT: lambda a: not a, ca.OP_AND: lambda a, b: a and b,
-    ca.OP_OR: lambda a, b: a or b, ca.OP_IF_ELSE_ZERO: lambda a, b: b if a else 0.0,
-}  # fmt: skip
-"""Operations of which there is only one right result."""
+ELEMENTARY = {ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos"}
+"""Of all other operations there is only one right result."""
 
 
 def compiled(kernels, *, native=False):
@@ -35,6 +25,15 @@ def compiled(kernels, *, native=False):
     path = build_library({"one.c": text, "arithmetic.h": header}, find_toolchain(native=native))
     library = ct.CDLL(str(path))
     return [_callable(library[f"wmr_{item.name}"], item.function) for item in kernels]
+
+
+def runtime_library(folder, name, *flags):
+    """One of the runtime's parts alone, by this machine's compiler."""
+    for file in (f"{name}.c", f"{name}.h"):
+        shutil.copy(runtime_dir() / file, folder)
+    own = ["-std=c99", "-shared", "-fPIC", f"{name}.c", "-o", "part.so"]
+    compile_in(folder, [*find_toolchain().command, *flags, *own])
+    return ct.CDLL(str(folder / "part.so"))
 
 
 def _callable(entry, function):
@@ -70,8 +69,9 @@ def machine(item):
             elif op == ca.OP_CONST:
                 work[into[0]] = f.instruction_constant(k)
             else:
-                made = calls.get(op) or EXACT[op]
-                work[into[0]] = made(*(float(work[i]) for i in operands))
+                numbers = [float(work[i]) for i in operands]
+                exact = ca.DM.unary if len(numbers) == 1 else ca.DM.binary
+                work[into[0]] = calls[op](*numbers) if op in calls else float(exact(op, *numbers))
         return out
 
     return run

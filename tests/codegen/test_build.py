@@ -33,45 +33,26 @@ int main(int count, char **words)
 """
 
 
-@pytest.fixture
-def chain():
+def test_the_loop_for_lanes_has_every_set_of_this_processor(tmp_path):
+    emulator = where(*WINE)
     needs_compiler(ZIG)
-    return toolchain_for(*targets_of("x86_64-windows"))
+    chain = toolchain_for(*targets_of("x86_64-windows"))
+    program = program_of(settle(load_scenario("paper-simulation"), "nn"))
+    for name, text in {**unity(program.generated_lanes, LOOP), "who.c": WHO}.items():
+        (tmp_path / name).write_text(str(text), "utf-8")
+    units, known = [runtime_dir() / "dispatch.c"], []
+    for item in vector_sets():
+        out, flags = tmp_path / f"{item.name}.o", tuple(flags_of(item, chain))
+        given = {"include": [tmp_path], "flags": flags}
+        units.append(compile_object(chain, tmp_path / LOOP[0], out, **given))
+        known.append(f"-DWMR_HAS_{item.name}")
 
+    out = tmp_path / "batch.dll"
+    library = compile_library(chain, units, out, include=[tmp_path], flags=known)
 
-def sets_in(library):
-    """What the library says that it can run, under wine."""
-    emulator, program = where(*WINE), library.with_name("who.exe")
-    (library.parent / "who.c").write_text(WHO, "utf-8")
-    compile_program(library.parent, [*ZIG, *TARGET, "-O1"], ["who.c"], str(program))
-    done = finished(
-        [emulator, str(program), str(library)], timeout=300, env={**os.environ, **wine()}
-    )
-    return done.stdout.split()
-
-
-def write(folder, files):
-    for name, text in files.items():
-        (folder / name).write_text(str(text), "utf-8")
-
-
-def test_the_loop_for_lanes_has_every_set_of_this_processor(chain, tmp_path):
-    write(
-        tmp_path,
-        unity(program_of(settle(load_scenario("paper-simulation"), "nn")).generated_lanes, LOOP),
-    )
-    known = [f"-DWMR_HAS_{item.name}" for item in vector_sets()]
-    objects = [
-        compile_object(
-            chain, tmp_path / LOOP[0], tmp_path / f"{item.name}.o", include=[tmp_path],
-            flags=tuple(flags_of(item, chain)),
-        )
-        for item in vector_sets()
-    ]  # fmt: skip
-    units = [runtime_dir() / "dispatch.c", *objects]
-
-    library = compile_library(chain, units, tmp_path / "batch.dll", include=[tmp_path], flags=known)
-
+    compile_program(tmp_path, [*ZIG, *TARGET, "-O1"], ["who.c"], "who.exe")
+    who = [emulator, tmp_path / "who.exe", library]
+    said = finished(who, timeout=300, env={**os.environ, **wine()}).stdout.split()
     has = {"avx512": "avx512vl", "avx2": "avx2"}
-    mine = [item.name for item in X86 if has[item.name] in processor()]
-    assert sets_in(library) == [*mine, "baseline"]
+    assert said == [*(item.name for item in X86 if has[item.name] in processor()), "baseline"]
+    assert not list(tmp_path.glob("*.c.o"))

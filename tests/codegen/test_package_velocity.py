@@ -103,23 +103,6 @@ def test_refused_samples_keep_the_limit(law, form, float32, tmp_path):
     assert told.decode() == scenario_hash(scenario)
 
 
-@pytest.mark.parametrize("form", ["band", "governor"])
-def test_parameters_that_are_no_numbers_send_zeros(form, tmp_path):
-    """A band stays at rest until the next start: its memory does not know of the stop."""
-    needs("cc")
-    package = HostBuild("kanayama", burger(form), tmp_path, float32=False)
-    row = [*motions(3)[1], *[0.0] * (1 + (form == "governor"))]
-    assert package.step(row)[0] == 0
-    right = package.parameters.copy()
-    package.parameters[2] = np.nan
-    status, out = package.step(row)
-    assert not out.any()
-    assert (status, package.outputs[2]) == ((1, 32) if form == "band" else (0, 32))
-    package.parameters[:] = right
-    status, _ = package.step(row)
-    assert (status, package.outputs[2]) == (1, 32) if form == "band" else status == 0
-
-
 @pytest.mark.parametrize("float32", [False, True])
 @pytest.mark.parametrize("form", FORMS)
 def test_package_of_a_velocity_base_passes_its_vectors(form, float32, tmp_path):

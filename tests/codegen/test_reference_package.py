@@ -34,7 +34,7 @@ def built(folder, *command):
     finished(["gcc", *WARNINGS, "-O1", "-ffp-contract=off", *command, "-lm"], cwd=folder)
 
 
-@pytest.mark.parametrize("k, changes", enumerate(KINDS))
+@pytest.mark.parametrize("k, changes", [*enumerate(KINDS)])
 def test_its_vectors_hold(k, changes, tmp_path):
     """In turns of both precisions."""
     write_all(reference_files(scenario_of(changes), float32=k % 2 > 0), tmp_path)

@@ -1,14 +1,11 @@
 """The noise's bits, on compilers with and without 128-bit integers."""
 
 import ctypes as ct
-import shutil
 
 import numpy as np
 import pytest
 
-from tests.compilers import compile_in
-from wmr_ctrl.codegen.resources import runtime_dir
-from wmr_ctrl.codegen.toolchain import find_toolchain
+from tests.codegen.compiled import runtime_library
 
 BLOCK = ct.c_uint64 * 4
 
@@ -16,11 +13,7 @@ BLOCK = ct.c_uint64 * 4
 @pytest.mark.parametrize("flag", ["-DNATIVE", "-U__SIZEOF_INT128__"], ids=["64 bit", "32 bit"])
 def test_noise_is_philox_with_integers_of(flag, tmp_path):
     """Counters and keys whose halves carry: NumPy's block of counter c is ours of c + 1."""
-    for name in ("noise.c", "noise.h"):
-        shutil.copy(runtime_dir() / name, tmp_path)
-    library = [flag, "-shared", "-fPIC", "noise.c", "-o", "noise.so"]
-    compile_in(tmp_path, [*find_toolchain().command, "-std=c99", *library])
-    philox = ct.CDLL(str(tmp_path / "noise.so")).wmr_philox
+    philox = runtime_library(tmp_path, "noise", flag).wmr_philox
     draw = np.random.default_rng(3)
     for _ in range(200):
         before, key = (draw.integers(0, 2**64 - 1, size, dtype=np.uint64) for size in (4, 2))

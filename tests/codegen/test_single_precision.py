@@ -43,14 +43,11 @@ def test_only_limits_are_lowered():
 
 
 @pytest.mark.parametrize("kind", ["clip", "governor"])
-@pytest.mark.parametrize("margin, kept", [(MARGIN, True), (0.0, False)])
-def test_single_precision_keeps_limits_of_each_direction_by_its_margin(
-    kind, margin, kept, monkeypatch
-):
-    monkeypatch.setattr("wmr_ctrl.codegen.package._margin", lambda *_: margin)
-    most = first_order(kind, [{}], BY_SIDE, ("axes",), float32=True)(400, 1)
-
-    assert (most.max() <= 1) == kept
+def test_single_precision_keeps_limits_of_each_direction_by_its_margin(kind, monkeypatch):
+    for margin in (MARGIN, 0.0):
+        monkeypatch.setattr("wmr_ctrl.codegen.package._margin", lambda *_, own=margin: own)
+        most = first_order(kind, [{}], BY_SIDE, ("axes",), float32=True)(400, 1)
+        assert (most.max() <= 1) == (margin > 0)
 
 
 def test_literals_and_functions_are_those_of_float():

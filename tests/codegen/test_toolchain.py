@@ -161,12 +161,12 @@ def test_zig_is_used_where_path_has_no_compiler(zig_cache, tmp_path, monkeypatch
 
 @pytest.mark.parametrize("found", [None, "/bin/zig"])
 def test_zig_that_is_named_is_that_of_path_if_there_is_one(monkeypatch, found):
-    wheel = ("python", "-m", "ziglang")
-    monkeypatch.setattr(toolchain, "zig_command", lambda: wheel)
+    monkeypatch.setattr(toolchain, "zig_command", lambda: ("python", "-m", "ziglang"))
     monkeypatch.setattr(toolchain, "_working", lambda command: command)
-    monkeypatch.setattr(toolchain.shutil, "which", lambda _: found)
+    monkeypatch.setattr("shutil.which", lambda _: found)
 
-    assert toolchain._named("zig cc -O1") == (*(("zig",) if found else wheel), "cc", "-O1")
+    wheel = "python -m ziglang" if found is None else "zig"
+    assert " ".join(toolchain._named("zig cc -O1")) == f"{wheel} cc -O1"
 
 
 # -- no compiler, or one that does not work -----------------------------------------------------

@@ -69,12 +69,6 @@ def test_any_other_failure_leaves_no_library(units, cache):
     assert not list(cache.glob("kernels/*"))
 
 
-def test_flags_of_units_are_part_of_the_key():
-    other = replace(SECOND, flags=("-DNAME=second", "-DVALUE=3"))
-
-    assert (total(FIRST, SECOND), total(FIRST, other)) == (42, 43)
-
-
 def test_an_error_stops_the_compilers_that_still_run(tmp_path):
     """What fails at once neither waits for what takes long nor leaves it running."""
     script, ended = tmp_path / "slow-cc", tmp_path / "ended"

@@ -35,28 +35,24 @@ class NothingToCompareError(Exception):
     """A file that is no result, or two that have no columns or instants in common."""
 
 
-def table(text, where):
-    """The result in a CSV text whose first column, or that named time, is the time."""
-    rows = [row for row in csv.reader(io.StringIO(text)) if row]
-    try:
-        names = [name.strip().strip('"') for name in rows[0]]
-        numbers = [[float(cell) for cell in row] for row in rows[1:]]
-        columns = {name: [row[i] for row in numbers] for i, name in enumerate(names)}
-    except (IndexError, ValueError) as error:
-        raise NothingToCompareError(f"{where} is no table of numbers: {error}.") from None
-    times = columns.pop("time" if "time" in columns else names[0])
-    return Table(times, columns)
-
-
 def read(path):
-    """A result in a CSV file, or the reference result inside of an FMU."""
+    """A result in a CSV file, or the reference result inside of an FMU.
+
+    Its first column, or that named time, is the time.
+    """
     try:
-        if not zipfile.is_zipfile(path):
-            return table(path.read_text(encoding="utf-8"), str(path))
-        with zipfile.ZipFile(path) as archive:
-            return table(archive.read(REFERENCE).decode(), f"{REFERENCE} of {path}")
-    except (OSError, KeyError, UnicodeDecodeError) as error:
-        raise NothingToCompareError(f"{path} cannot be read: {error}.") from None
+        if zipfile.is_zipfile(path):
+            with zipfile.ZipFile(path) as archive:
+                text = archive.read(REFERENCE).decode()
+        else:
+            text = path.read_text(encoding="utf-8")
+        names, *rows = (row for row in csv.reader(io.StringIO(text)) if row)
+        names = [name.strip().strip('"') for name in names]
+        numbers = zip(*(map(float, row) for row in rows), strict=True)
+        columns = {name: list(column) for name, column in zip(names, numbers, strict=True)}
+    except (OSError, KeyError, ValueError) as error:  # UnicodeDecodeError is a ValueError
+        raise NothingToCompareError(f"{path} is no table of numbers: {error}.") from None
+    return Table(columns.pop("time" if "time" in columns else names[0]), columns)
 
 
 def pairs(found, wanted):

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from fmpy import platform_tuple
 
 from tests.commands import finished, flat
@@ -15,7 +14,6 @@ from tests.compilers import where
 from tests.export.fmi.test_targets import HEADERS
 from tests.tables import cases
 from wmr_ctrl.api import simulate
-from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.core.errors import ArgumentError, UnknownNameError, WmrError
 from wmr_ctrl.export.cosim import cosimulate
@@ -28,9 +26,12 @@ SHORT = load_scenario("paper-simulation-nominal", {"clock.duration": 1.0})
 LIGHTER = override(SHORT, {"changes": [{"t": 0.4, "m": 45.0}]})
 SOURCE = Path(__file__).with_name("foreign3.c")
 KINDS = {
-    "right": "input", "left": "input", "x": "output", "y": "output", "yaw": "output", "v": "output",
-    "w": "output", "grams": "tunable", "fixed": "fixed", "mode": "fixed",
-}  # fmt: skip
+    '"input" start="0"': "right left",
+    '"output" initial="calculated"': "x y yaw v w",
+    '"parameter" start="0" variability="tunable" unit="g"': "grams",
+    '"parameter" start="0" variability="fixed"': "fixed mode",
+}
+"""Attributes of its real variables, and their names."""
 FURTHER = """<Boolean name="enable" valueReference="20" causality="input" start="true"/>
 <Int8 name="steps" valueReference="21" causality="input" start="1"/>
 <Float32 name="share" valueReference="22" causality="input" start="1"/>
@@ -65,18 +66,11 @@ def packed(tmp_path_factory):
     others.write_text("\n".join(['#include "fmi3Functions.h"', *rest]))
     flags = ["-shared", "-fPIC", "-w", f"-I{HEADERS}", "-o", library]
     finished([where("cc"), *flags, SOURCE, others, "-lm"])
-    rows = []
-    for i, (name, kind) in enumerate(KINDS.items()):
-        more = 'initial="calculated"' if kind == "output" else 'start="0"'
-        cause = "parameter" if kind in ("tunable", "fixed") else kind
-        more += f' variability="{kind}"' if cause == "parameter" else ""
-        unit = ' unit="g"' if name == "grams" else ""
-        rows.append(
-            f'<Float64 name="{name}" {more} valueReference="{i}" causality="{cause}"{unit}/>'
-        )
-    outputs = [*(i for i, kind in enumerate(KINDS.values()) if kind == "output"), 23]
+    named = [(name, more) for more, names in KINDS.items() for name in names.split()]
+    rows = [f'<Float64 name="{name}" valueReference="{i}" causality={more}/>'
+            for i, (name, more) in enumerate(named)]  # fmt: skip
     order = [f'<{what} valueReference="{i}"/>' for what in ("Output", "InitialUnknown")
-             for i in outputs]  # fmt: skip
+             for i in (2, 3, 4, 5, 6, 23)]  # fmt: skip
     text = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="TheirThree" instantiationToken="three">
 <CoSimulation modelIdentifier="foreign3" canHandleVariableCommunicationStepSize="true"/>
@@ -143,23 +137,16 @@ def test_a_change_that_cannot_be_made_is_refused_before_it_runs(plant, their_map
         cosimulate(LIGHTER, "pid", **given)
 
 
-def test_a_last_successful_time_that_lags_is_told_and_ends_no_run(plant, their_map):
-    """Its status is OK and no flag is set: others go on, too (fixedInternalStepSize)."""
-    run, same = (cosimulate(SHORT, "pid", plant=plant, map_file=their_map(m)) for m in (1, 0))
-    assert np.array_equal(run["v1"], same["v1"])
-    told = "50 steps, first at t = 0.5 s: 0.005 s behind the step's end"
-    assert (run.provenance["lagged_plant"], "lagged_plant" in same.provenance) == (told, False)
-    assert f"plant lagged in {told}" in flat(summary_text(run))
-
-
-def test_a_plants_warnings_are_told(plant, their_map):
-    words = "cosim paper-simulation-nominal --law pid --set clock.duration=1"
-    command = [*words.split(), "--plant", str(plant), "--map", str(their_map(2))]
-    said = "50 steps, first at t = 0.5 s: beyond the range of the tyres"
-    done = CliRunner().invoke(root, command)
-    assert f"plant warned in {said}" in flat(done.stdout)
-    told = json.loads(CliRunner().invoke(root, [*command, "--json"]).stdout)
-    assert told["provenance"]["warned_plant"] == said
+def test_a_time_that_lags_and_warnings_are_told_and_end_no_run(plant, their_map):
+    """Where the last successful time lags, status and flags say nothing: others go on, too."""
+    lags, warns = "0.005 s behind the step's end", "beyond the range of the tyres"
+    same = cosimulate(SHORT, "pid", plant=plant, map_file=their_map(0))
+    for mode, what, text in ((1, "lagged", lags), (2, "warned", warns)):
+        run = cosimulate(SHORT, "pid", plant=plant, map_file=their_map(mode))
+        told, key = f"50 steps, first at t = 0.5 s: {text}", f"{what}_plant"
+        assert np.array_equal(run["v1"], same["v1"])
+        assert (run.provenance[key], key in same.provenance) == (told, False)
+        assert f"plant {what} in {told}" in flat(summary_text(run))
 
 
 def test_a_plant_that_takes_steps_of_one_size_is_not_stepped_by_others(plant, packed, their_map):
@@ -180,20 +167,19 @@ outputs = { x = "x", y = "y", psi = "yaw", v1 = "twist[1]", omega = "twist[2]" }
 """
 
 
-def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped, their_map):
+def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped):
     """An enable, a whole number, single precision, an element read and one written."""
-    rows = {
-        "": lambda run, same: abs(run["v1"] - same["v1"]).max() < 1e-4,
-        "enable = false": lambda run, _: abs(run["v1"] - SHORT.initial.velocity[0]).max() < 1e-9,
-        'called = "still"': lambda run, _: abs(run["omega"]).max() < 1e-9,
-        "push = [1.0, 90.0]": lambda run, same: (run["v1"] - same["v1"])[30] > 0.1,
-        '"push[2]" = 90.0': lambda run, same: (run["v1"] - same["v1"])[30] > 0.1,
-    }
-    base = cosimulate(SHORT, "pid", plant=plant, map_file=their_map())
-    for start, expected in rows.items():
-        text = TYPED.replace(", enable = true", "" if "enable" in start else ", enable = true")
-        run = cosimulate(SHORT, "pid", plant=plant, map_file=mapped(text + start))
-        assert expected(run, base), start
+
+    def run(start="", text=TYPED):
+        return cosimulate(SHORT, "pid", plant=plant, map_file=mapped(text + start))
+
+    same = run(text=MAP.format(mode=0, mass='"grams"'))["v1"]
+    off = run("enable = false", TYPED.replace(", enable = true", ""))
+    assert abs(run()["v1"] - same).max() < 1e-4
+    assert abs(off["v1"] - SHORT.initial.velocity[0]).max() < 1e-9
+    assert abs(run('called = "still"')["omega"]).max() < 1e-9
+    for start in ("push = [1.0, 90.0]", '"push[2]" = 90.0'):
+        assert (run(start)["v1"] - same)[30] > 0.1
 
 
 @pytest.mark.parametrize(
@@ -258,15 +244,15 @@ def test_a_description_that_breaks_the_rules_is_told_and_read(plant, packed, map
 
 @pytest.mark.slow
 def test_sources_are_built_where_the_library_is_missing(plant, packed, their_map):
-    bare, nothing = packed("bare", "", sources=True), packed("nothing", "")
-    given = {"map_file": their_map(), "compile_sources": True}
-    built = cosimulate(SHORT, "pid", plant=bare, **given)
-    same = cosimulate(SHORT, "pid", plant=plant, map_file=their_map())
+    map_file = their_map()
+    files = plant, packed("bare", "", sources=True)
+    same, built = (
+        cosimulate(SHORT, "pid", plant=file, map_file=map_file, compile_sources=file != plant)
+        for file in files
+    )
     assert np.abs(built["x"] - same["x"]).max() < 1e-9
     with pytest.raises(ArgumentError, match="Name a plant or a controller"):
         cosimulate(SHORT, "pid", compile_sources=True)
-    with pytest.raises(FmuError, match="names no sources"):
-        cosimulate(SHORT, "pid", plant=nothing, **given)
 
 
 def test_a_template_lists_numbers_of_every_type(plant, tmp_path):

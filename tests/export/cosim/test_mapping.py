@@ -37,9 +37,10 @@ def test_units_that_do_not_fit_are_refused(exported, mapped, row):
 )
 def test_the_hint_names_a_unit_of_the_right_dimension(unit, row):
     gives, takes = ("controller", "plant") if unit == "N.m" else ("plant", "controller")
-    with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
+    hint = re.escape(f'unit = "{unit}"')
+    with pytest.raises(ArgumentError, match=hint):
         output_rows(PartMap(outputs={row: "theirs"}), lambda _: None, gives)
-    with pytest.raises(ArgumentError, match=re.escape(f'unit = "{unit}"')):
+    with pytest.raises(ArgumentError, match=hint):
         input_rows(PartMap(inputs={"theirs": row}), lambda _: "furlong", takes)
 
 

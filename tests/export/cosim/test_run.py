@@ -56,16 +56,6 @@ def test_the_command_tells_a_script_that_an_fmu_failed(foreign, mapped, tmp_path
     assert load_run(saved).outcome == json.loads(done.stdout)["outcome"] == "failed"
 
 
-@pytest.mark.slow
-def test_divergence_is_an_outcome():
-    wild = {"gains.pid.Kp": [2e4, 2e3]}
-    run = cosimulate(load_scenario("paper-experiment-literal", wild), "pid")
-    assert run.outcome == "diverged"
-    assert np.array_equal(
-        run["v1"][:3], simulate("paper-experiment-literal", "pid", overrides=wild)["v1"][:3]
-    )
-
-
 @pytest.mark.parametrize(
     "parts, said",
     [

@@ -148,16 +148,9 @@ def third():
     for name in ("GetNumberOfContinuousStates", "GetNumberOfEventIndicators"):
         yield call(name, ALL, _answer(ct.c_size_t))
     yield from never("EnterConfigurationMode ExitConfigurationMode EnterStepMode")
-    which, zero = (refs(1), ONE), reals(0.0)
-    clocks = "GetClock SetClock GetShiftDecimal SetShiftDecimal SetIntervalDecimal"
-    yield from never(clocks, *which, zero)
-    fractions = "GetIntervalDecimal GetShiftFraction SetIntervalFraction SetShiftFraction"
-    yield from never(fractions, *which, zero, zero)
-    yield from never("GetIntervalFraction", *which, zero, zero, zero)
     yield from never("ActivateModelPartition", 1, ct.c_double(0))
-    kinds = "Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 UInt64 Boolean String"
-    for kind in kinds.split():
-        yield from never(f"Get{kind} Set{kind}", *which, zero, ONE)
+    clocks = "GetClock SetClock GetShiftDecimal SetShiftDecimal SetIntervalDecimal"
+    yield from never(clocks, refs(1), ONE, reals(0.0))
 
 
 def calls(fmu):

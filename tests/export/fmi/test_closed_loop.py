@@ -14,6 +14,5 @@ def test_it_has_a_seed_its_start_and_its_findings():
 
     assert (rows["seed"].integer, rows["seed"].role) == (True, Role.FIXED)
     assert [rows[f"initial.pose[{i}]"].start for i in (1, 2, 3)] == [1.0, 2.0, 0.5]
-    assert all(rows[name].output for name in FOUND.values())
-    assert rows["violations"].integer
-    assert not any(item.role is Role.INPUT for item in model.variables)
+    assert {rows[name].output for name in FOUND.values()} == {rows["violations"].integer} == {True}
+    assert Role.INPUT not in [item.role for item in model.variables]

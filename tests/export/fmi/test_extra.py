@@ -18,28 +18,25 @@ def given(k, names):
     return {name: 0.01 * ((7 * i + 3 * k) % 11 - 5) for i, name in enumerate(names)}
 
 
-def expressions(interface, tag, kind=None, key="expression"):
-    """Name to C expression of the elements of a kind."""
-    listed = (item.attrib for item in interface.iter(tag))
-    return {item["name"]: item.get(key) for item in listed if kind in (None, item.get("causality"))}
+def attributes(interface, tag, key="expression"):
+    """Name of each element to one of its attributes: most to its C expression."""
+    return {item.attrib["name"]: item.get(key) for item in interface.iter(tag)}
 
 
-def program(interface):
+def program(interface, inputs):
     """A C program of the description's expressions alone: it prints the outputs of each sample."""
-    functions = expressions(interface, "Function")
-    inputs, outputs, parameters = (
-        expressions(interface, "Variable", kind) for kind in ("input", "output", "parameter")
-    )
-    lines = [f'#include "{name}"' for name in expressions(interface, "HeaderFile")]
+    functions, variables = attributes(interface, "Function"), attributes(interface, "Variable")
+    lines = [f'#include "{name}"' for name in attributes(interface, "HeaderFile")]
     lines += ["#include <stdio.h>", "int main(void) {"]
-    structs = expressions(interface, "StructVariable", key="type")
-    lines += [f"{kind} {name};" for name, kind in structs.items()]
+    lines += [
+        f"{kind} {name};" for name, kind in attributes(interface, "StructVariable", "type").items()
+    ]
     lines += [f"{functions['setDefaults']};", f"{functions['startup']};"]
-    lines += [f"{parameters['robot.r']} *= 1.25;"]
+    lines += [f"{variables['robot.r']} *= 1.25;"]
     for k in range(STEPS):
-        lines += [f"{inputs[name]} = {value.hex()};" for name, value in given(k, inputs).items()]
+        lines += [f"{variables[n]} = {value.hex()};" for n, value in given(k, inputs).items()]
         lines += [f"if ({functions['doStep']}) return 1;"]
-        lines += [f'printf("%a %a\\n", {outputs["tau_right"]}, {outputs["tau_left"]});']
+        lines += [f'printf("%a %a\\n", {variables["tau_right"]}, {variables["tau_left"]});']
     return "\n".join([*lines, "return 0; }", ""])
 
 
@@ -50,12 +47,13 @@ def program(interface):
 def test_called_as_described_it_has_the_bits_of_the_fmu(raw, law, scenario):
     fmu = raw(law, 2, scenario)
     folder, interface = fmu.folder / FOLDER, ET.parse(fmu.folder / INTERFACE).getroot()
-    (folder / "main.c").write_text(program(interface), "utf-8")
-    units = expressions(interface, "SourceFile")
-    command = [where("gcc"), "-std=c99", "-O1", "-ffp-contract=off", "-o", "main", "main.c", *units]
-    finished([*command, "-lm"], cwd=folder)
-    printed = finished([folder / "main"]).stdout
-    inputs = list(expressions(interface, "Variable", "input"))
+    inputs = [
+        n for n, cause in attributes(interface, "Variable", "causality").items() if cause == "input"
+    ]
+    (folder / "main.c").write_text(program(interface, inputs), "utf-8")
+    units = ["main.c", *attributes(interface, "SourceFile")]
+    finished([where("gcc"), "-std=c99", "-O1", "-ffp-contract=off", *units, "-lm"], cwd=folder)
+    printed = finished([folder / "a.out"]).stdout
     one, found = fmu.new(), []
     assert one.put({"robot.r": 1.25 * float(fmu.variables["robot.r"].start)}) == OK
     one.begin()
@@ -71,7 +69,7 @@ def test_its_variables_are_the_fmus_and_the_description_says_where(raw):
     files = {path.name for path in (fmu.folder / FOLDER).rglob("*")}
 
     for kind in ("SourceFile", "HeaderFile"):
-        assert set(expressions(interface, kind)) <= files
+        assert attributes(interface, kind).keys() <= files
     assert fmu.description.description.endswith(INTERFACE)
     for item in interface.iter("Variable"):
         variable = fmu.variables[item.attrib["name"]]

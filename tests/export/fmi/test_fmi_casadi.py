@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.export.fmi.cases import both
-from tests.export.fmi.raw import CS, ERROR, ME, OK, WARNING
+from tests.export.fmi.raw import CS, ERROR, OK, WARNING
 from wmr_ctrl.world.model.dynamics import plant
 from wmr_ctrl.world.scenario import load_scenario
 
@@ -60,15 +60,3 @@ def test_the_seed_may_be_written_again_too(raw, version):
     one.begin()
     assert one.integer("Set", "seed", seed)[0] == WARNING
     assert one.integer("Set", "seed", 1)[0] == ERROR
-
-
-@both
-def test_solvers_set_states_and_masses_in_model_exchange_alone(raw, version):
-    fmu = raw("plant", version)
-    for interface, wanted in ((ME, OK), (CS, ERROR)):
-        one = fmu.new(interface).begin()
-        if interface == ME:
-            assert fmu.EnterContinuousTimeMode(one.handle) == OK
-        assert one.put({"theta": 0.3}) == wanted
-        assert one.put({"robot.m": 60.0}) == OK
-        assert one.put({"robot.m": -60.0}) == one.put({"psi": 0.0}) == ERROR

@@ -41,9 +41,9 @@ def setting(fmu, what, interface):
     unknowns = [*(f"der({n})" for n in states), *(n for o in results for n in o.signal.elements)]
     found = ca.vertcat(*[system.update] * is_plant, *(item.expr for item in results))
     by = ca.vertcat(system.u, system.x) if is_plant else system.u
-    f = ca.Function("J", [system.u, system.x, system.p], [ca.jacobian(found, by)])
     u, x = np.split(point, [system.u.numel()])
-    jacobian = f(u, x if is_plant else system.x0, system.p0)
+    slope = system.function("J", [ca.jacobian(found, by)])
+    jacobian = slope(u, x if is_plant else system.x0, system.p0)
     return instance.begin(), unknowns, knowns, np.array(jacobian)
 
 

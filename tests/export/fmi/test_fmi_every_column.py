@@ -106,18 +106,6 @@ def test_the_parts(effect, version, guard):
     assert_same(simulate(scenario, LAW), cosimulate(scenario, LAW, fmi=version))
 
 
-@pytest.mark.parametrize(
-    "kind, version",
-    [("lemniscate", 2), ("stop-and-go", 2), ("waypoints", 3), ("line", 2), ("rounded-square", 3)],
-)
-@pytest.mark.slow
-def test_references(kind, version):
-    points = {"reference.points": [[0.0, 0.0], [1.0, 0.2], [2.0, 1.0], [2.5, 2.0]]}
-    given = {"reference.kind": kind, **(points if kind == "waypoints" else {})}
-    scenario = override(scenario_with("none"), given)
-    assert_same(simulate(scenario, LAW), cosimulate(scenario, LAW, fmi=version))
-
-
 @pytest.mark.slow
 def test_a_reference_with_memory_keeps_it_over_a_long_step(raw, monkeypatch):
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (CLOTHOID,))

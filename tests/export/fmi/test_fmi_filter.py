@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
 
 from tests.control.bases import GOVERNED
@@ -19,25 +18,23 @@ DRIVEN = load_scenario("paper-simulation-noise-free", {**GOVERNED, "changes": []
 
 @both
 @pytest.mark.slow_but("2")
-def test_it_sends_what_a_run_sent_to_the_bit(version, exported):
-    run = simulate(DRIVEN, "kanayama")
-    path = exported("filter", version, DRIVEN)
-    T = DRIVEN.clock.control
-    given = np.rec.fromarrays(
-        [run[name] for name in ("t", "v_asked[1]", "v_asked[2]", "v1", "omega")],
-        names=["time", "v_asked[1]", "v_asked[2]", "v_odometry[1]", "v_odometry[2]"],
-    )
-    found = simulate_fmu(
-        str(path), stop_time=run.rows * T, output_interval=T, step_size=T, input=given,
-        start_values={"odometry_age": 0.0},
-        output=["v_sent[1]", "v_sent[2]", "filter_flags", "limited"],
-    )  # fmt: skip
-    assert validate_fmu(str(path)) == []
-    columns = ("v_sent[1]", "v_command"), ("v_sent[2]", "omega_command"), ["filter_flags"] * 2
-    for told, column in columns:
-        assert np.array_equal(found[told][1:], run[column]), told
-    assert np.array_equal(found["limited"][1:], run["filter_flags"] % 2)
-    assert 0 < found["limited"].mean() < 1
+def test_it_sends_what_a_run_sent_to_the_bit(version, raw):
+    run, fmu, T = simulate(DRIVEN, "kanayama"), raw("filter", version, DRIVEN), DRIVEN.clock.control
+    given = ("v_asked[1]", "v_asked[2]", "v_odometry[1]", "v_odometry[2]")
+    asked = [run[name] for name in ("v_asked[1]", "v_asked[2]", "v1", "omega")]
+    sent = ("v_command", "omega_command", "filter_flags")
+    one, rows = fmu.new(), []
+    assert one.put({"odometry_age": 0.0}) == OK
+    one.begin()
+    for k, values in enumerate(zip(*asked, strict=True)):
+        assert one.put(dict(zip(given, values, strict=True))) == OK
+        assert one.step(k * T, T) == OK
+        rows.append(one.get("v_sent[1]", "v_sent[2]", "filter_flags", "limited"))
+    *found, limited = np.transpose(rows)
+    assert validate_fmu(str(fmu.path)) == []
+    assert np.array_equal(found, [run[name] for name in sent])
+    assert np.array_equal(limited, run["filter_flags"] % 2)
+    assert 0 < limited.mean() < 1
 
 
 def test_a_repeated_step_is_noticed_once_the_time_was_told(raw):

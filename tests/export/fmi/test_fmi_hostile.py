@@ -56,7 +56,7 @@ def test_bad_steps(raw, what, version):
     steps += [(t, 0.01) for t in (NAN, INF, 0.5, -0.01, 1e-6)]
     for t, h in steps:
         assert one.step(t, h) in REFUSED, (t, h)
-        assert one.all() == before
+    assert one.all() == before
     assert fmu.new().begin().step(0.0, 1e9) in REFUSED
     assert one.step(0.0, 0.01) == OK
     assert one.step(0.01 * (1 + 1e-12), 0.01) == OK
@@ -68,25 +68,22 @@ def test_numbers_that_are_none_and_values_out_of_range(raw, what, version):
     fmu = raw(what, version)
     one, same = fmu.new().begin(), fmu.new().begin()
     before = one.all()
-    for v in fmu.description.modelVariables:
-        if v.type != fmu.real or v.dimensions or v.causality not in ("input", "parameter"):
-            continue
-        most = float(v.max or LARGEST)
-        wrong = [NAN, INF, -INF, most * 1.1 + 1, float(v.min or -most) * 1.1 - 1]
-        for value in wrong:
-            assert one.put({v.name: value}) == ERROR, v.name
+    for name, v in fmu.variables.items():
+        if v.type == fmu.real and not v.dimensions and v.causality in ("input", "parameter"):
+            most = float(v.max or LARGEST)
+            for wrong in (NAN, INF, -INF, most * 1.1 + 1, float(v.min or -most) * 1.1 - 1):
+                assert one.put({name: wrong}) == ERROR, name
     assert one.all() == before
     assert one.step(0.0, 0.01) == same.step(0.0, 0.01) == OK
     assert one.all() == same.all()
 
 
 @everywhere
-def test_unknown_references_wrong_types_and_missing_arrays(raw, what, version):
+def test_unknown_references_wrong_types_and_missing_places(raw, what, version):
     fmu = raw(what, version)
     one = fmu.new().begin()
     for wrong in (2**32 - 1, 100_000):
-        assert one.get_refs([wrong])[0] == ERROR
-        assert one.put_refs([wrong], [0.0]) == ERROR
+        assert one.get_refs([wrong])[0] == one.put_refs([wrong], [0.0]) == ERROR
     length = fmu.length(1)
     for kind in (fmu.real, fmu.int64, "Boolean", "String", *["Int32"] * len(length)):
         for verb in ("Get", "Set"):
@@ -96,12 +93,6 @@ def test_unknown_references_wrong_types_and_missing_arrays(raw, what, version):
             assert call(one.handle, None, ct.c_size_t(0), None, *fmu.length(0)) == OK, kind
     integer = getattr(fmu, f"Get{fmu.int64}")
     assert integer(one.handle, refs(1), ONE, reals(0.0), *length) == ERROR
-
-
-@full
-def test_missing_places_for_answers(raw, what, version):
-    fmu = raw(what, version)
-    one = fmu.new().begin()
     for verb in ("Get", "Free", "Set"):
         assert one.of_state(verb, None) == ERROR
     assert one.of_state("Serialized", None, None, end="Size") == ERROR

@@ -19,18 +19,6 @@ def driven(one, steps):
     return one.all()
 
 
-def test_a_thousand_interleaved_instances(raw):
-    fmu = raw("plant", 3)
-    many = [fmu.new().begin() for _ in range(1000)]
-    for i, one in enumerate(many):
-        one.put({"tau_right": 0.1 * (i % 5)})
-    wanted = [driven(one, 5) for one in many[:5]]
-    for k in range(5):
-        for one in many[5:]:
-            assert one.step(0.01 * k, 0.01) == OK
-    assert [one.all() for one in many] == wanted * 200
-
-
 @both
 @pytest.mark.parametrize("what", ["plant", "nn", "closed-loop"])
 @pytest.mark.slow_but("plant-3", "nn-2", "closed-loop-3")

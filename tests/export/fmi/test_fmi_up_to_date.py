@@ -6,16 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.export.fmi.raw import DISCARD, ERROR, ME, OK, REFUSED, reals
+from tests.export.fmi.raw import DISCARD, ERROR, ME, OK, REFUSED
 from tests.export.fmi.sequences import reach
 from tests.export.fmi.test_fmi_derivatives import call, system_of
-
-
-def rates(one):
-    count = ct.c_size_t(len(one.fmu.description.derivatives))
-    found = reals(*[0.0] * count.value)
-    assert one.fmu.GetContinuousStateDerivatives(one.handle, found, count) == OK
-    return found[:]
 
 
 def test_a_reference_is_where_it_is_at_the_solvers_time(raw):
@@ -25,20 +18,6 @@ def test_a_reference_is_where_it_is_at_the_solvers_time(raw):
     assert fmu.SetTime(one.handle, ct.c_double(1.5)) == OK
 
     assert one.get("x_d", "v1_d") == late.get("x_d", "v1_d") != begun
-
-
-def test_rates_are_those_of_the_states_and_inputs_that_were_set_last(raw):
-    fmu, states = raw("plant", 3), [0.3, -0.2, 0.4, 0.25, -0.5]
-    one, other = reach(fmu, ME, "continuous"), fmu.new(ME)
-    rest = rates(one)
-    assert fmu.SetContinuousStates(one.handle, reals(*states), ct.c_size_t(5)) == OK
-    moved = rates(one)
-    assert one.put({"tau_right": 0.7}) == OK
-    names = ("x", "y", "theta", "v1", "omega")
-    other.put({**dict(zip(names, states, strict=True)), "tau_right": 0.7})
-
-    assert rest != moved != rates(one) == rates(other.begin())
-    assert one.get(*names) == states
 
 
 @pytest.mark.parametrize("parallel", [False, True])
@@ -63,10 +42,8 @@ def test_derivatives_are_at_the_memory_that_the_last_sample_started_from(raw):
     system, fmu, draw = system_of("nn"), raw("nn", 3), np.random.default_rng(5)
     knowns = [n for p in system.inputs for n in p.signal.elements]
     unknowns = [n for o in system.outputs for n in o.signal.elements]
-    outputs = ca.vertcat(*(o.expr for o in system.outputs))
-    given = [system.u, system.x, system.p]
-    slopes = ca.Function("J", given, [ca.jacobian(outputs, system.u)])
-    after = ca.Function("after", given, [system.update])
+    slopes = system.function("J", [ca.jacobian(system.y, system.u)])
+    after = system.function("after", [system.update])
 
     one, x = fmu.new(), ca.DM(system.x0)
     for k in range(3):

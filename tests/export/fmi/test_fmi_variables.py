@@ -106,7 +106,7 @@ def test_outputs_depend_on_what_moves_and_at_the_start_on_parameters_as_well():
     }
 
 
-@pytest.mark.parametrize("constant", product((True, False), repeat=2))
+@pytest.mark.parametrize("constant", [*product((True, False), repeat=2)])
 def test_on_an_array_an_output_depends_linearly_if_on_each_element(constant):
     law = model("nn")
     head = next(i for i, v in enumerate(law.variables) if v.array)

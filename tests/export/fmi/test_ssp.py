@@ -133,10 +133,10 @@ def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, 
     """FMPy reads conversions and does not do them."""
     outputs = ", ".join(f'{row if name == "theta" else name} = "{name}"' for name in STATE)
     inputs = 'tau_right = "tau_right", tau_left = "tau_left"'
-    text = f"[plant]\ninputs = {{ {inputs} }}\noutputs = {{ {outputs} }}\n"
-    given = ("--plant", str(exported("plant", 2)), "--map", str(mapped(text)), "--law", "pid")
-    here = ("--scenario", "paper-simulation-nominal", "--out", str(tmp_path / "package"))
-    done = CliRunner().invoke(root, ["export", "ssp", *given, *here], env={"COLUMNS": "999"})
+    file = mapped(f"[plant]\ninputs = {{ {inputs} }}\noutputs = {{ {outputs} }}\n")
+    words = f"export ssp --law pid --scenario paper-simulation-nominal --out {tmp_path / 'package'}"
+    given = ("--plant", str(exported("plant", 2)), "--map", str(file))
+    done = CliRunner().invoke(root, [*words.split(), *given], env={"COLUMNS": "999"})
 
     assert done.exit_code == 0
     assert ("wmr.ssp: connections convert units" in done.stderr) == (row == "psi")

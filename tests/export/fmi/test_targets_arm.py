@@ -85,12 +85,9 @@ def test_an_fmu_that_fmpy_cannot_run_lacks_a_reference_result_alone(
     monkeypatch.setattr("fmpy.simulate_fmu", refused)
     with pytest.warns(UserWarning, match=r"no reference result: .*on the current platform\)\.$"):
         (path,) = export_fmu("plant", fmi=2, out="new")
-    assert (tmp_path / path).is_file()
-    with zipfile.ZipFile(path) as bare, zipfile.ZipFile(complete) as whole:
-        missing = set(whole.namelist()) - set(bare.namelist())
-        assert missing == {
-            "extra/org.wmr-ctrl/reference.csv",
-            "extra/org.wmr-ctrl/reference.ssv",
-            "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml",
-        }
-        assert all(bare.read(name) == whole.read(name) for name in bare.namelist())
+    with zipfile.ZipFile(tmp_path / path) as bare, zipfile.ZipFile(complete) as whole:
+        own, every = ({item.filename: item.CRC for item in file.filelist} for file in (bare, whole))
+    extra = ("org.wmr-ctrl/reference.csv", "org.wmr-ctrl/reference.ssv",
+             "org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml")  # fmt: skip
+    assert own == {name: crc for name, crc in every.items() if name[6:] not in extra}
+    assert len(every) == len(own) + 3

@@ -57,7 +57,8 @@ def placed(body, declared):
 
 
 def ports(text, part):
-    body = classes(text, "block", part.capitalize())
+    """Those of a part's interface."""
+    body = classes(text.partition("end Interfaces;")[0], "block", part.capitalize())
     found = placed(body, r"(RealInput|RealOutput) (\w+)")
     return {name: port for name, port in found.items() if port.half == 10}
 
@@ -93,13 +94,13 @@ def test_what_a_law_shows_stands_beside_its_inputs_and_torques(text, law):
     own = placed(body, r"Interfaces\.(RealInput|RealOutput) (\w+)").values()
     assert len(own) == body.count("Interfaces.Real") >= 5
     assert {(port.middle[1], port.turn) for port in own} == {(110, LEADS_IN[0, 1] + 180)}
-    assert_apart(*own, *ports(text.partition("end Interfaces;")[0], "controller").values())
+    assert_apart(*own, *ports(text, "controller").values())
 
 
 @pytest.mark.parametrize("model", ["Loop", "Loop_imported"])
 def test_the_loop_is_a_diagram(text, model):
     """Parts stand apart, lines run from port to port, none through a part or another line."""
-    body, interfaces = classes(text, "model", model), text.partition("end Interfaces;")[0]
+    body = classes(text, "model", model)
     parts = placed(body, rf"(?:replaceable )?([\w.]+) ({'|'.join(PARTS)}) ")
     drawn = lines(body)
     assert tuple(parts) == PARTS
@@ -110,7 +111,7 @@ def test_the_loop_is_a_diagram(text, model):
     for ends, points in drawn.items():
         for end, point in zip(ends, (points[0], points[-1]), strict=True):
             part, name = end.split(".")
-            assert np.allclose(parts[part].at(ports(interfaces, part)[name]), point)
+            assert np.allclose(parts[part].at(ports(text, part)[name]), point)
         assert (np.diff(points, axis=0) == 0).any(axis=1).all()
         assert not any(crosses(points, frame) for frame in frames)
     assert not any(crosses(one, other) for one, other in combinations(drawn.values(), 2))
@@ -124,7 +125,7 @@ def test_the_loop_is_a_diagram(text, model):
 def test_a_block_around_an_fmu_is_a_diagram(text, part):
     body = classes(text, "block", f"{part.capitalize()}Fmu")
     (fmu,) = placed(body, r"(Fmu) (fmu)").values()
-    outer = ports(text.partition("end Interfaces;")[0], part)
+    outer = ports(text, part)
     drawn = lines(body)
     assert len(drawn) == body.count("connect(") == len(outer)
     for ends, points in drawn.items():

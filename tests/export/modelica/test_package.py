@@ -71,33 +71,6 @@ def test_parts_may_be_replaced_by_imports(text, simulated):
     assert max(largest_differences(mine, first)) > 0.1
 
 
-@pytest.mark.slow
-def test_a_disturbance_may_be_given(text, simulated):
-    """A constant thrust is the native push for as long as the robot does not turn back."""
-    model = """
-block Push
-  extends WheeledRobot.Interfaces.Disturbance;
-equation
-  noise_right = 0.0;
-  noise_left = 0.0;
-  thrust = 20.0;
-  moment = 0.0;
-end Push;
-model Pushed
-  extends WheeledRobot.Examples.Loop(
-    redeclare WheeledRobot.Laws.Pid controller, redeclare Push disturbance);
-end Pushed;
-"""
-    found = simulated(text + model, "Pushed", 1.0)
-    finer = {"clock.duration": 1.0, "clock.plant": 1e-4}
-    alone = simulate(NOMINAL, "pid", overrides=finer)
-    native = simulate(NOMINAL, "pid", overrides={**finer, "disturbance.push": [20.0, 0.0]})
-    forward = int(np.argmax(native["v1"] < 0)) or native.rows
-    assert forward > 20
-    assert np.abs(found["x"] - native["x"])[:forward].max() < 1e3 * EXACT
-    assert np.abs(native["v1"] - alone["v1"])[:forward].max() > 0.01
-
-
 @pytest.mark.parametrize("name", ['a "quoted" one', '</html>"\nb\\'])
 @pytest.mark.slow
 def test_a_name_cannot_end_a_string(text, name):

@@ -21,41 +21,35 @@ def one_variant(monkeypatch):
         monkeypatch.setattr(f"wmr_ctrl.export.page.scenes.{name}", ())
 
 
-def run_of(key, law):
-    return wmr_ctrl.simulate(STEPS[key].scenario, law)
+def runs_of(key, *laws):
+    return [wmr_ctrl.simulate(STEPS[key].scenario, law) for law in laws]
 
 
 def first_time(run):
     return run.monitor.first_violation[0]
 
 
-def test_the_barrier_holds_and_pid_does_not():
-    assert run_of("barrier", "mb").monitor.violations == 0
-    assert run_of("barrier", "pid").monitor.max_abs_v[0] == pytest.approx(3.0, abs=0.15)
+def test_the_barrier_holds_near_and_far_away_both_laws_break_mb_for_good():
+    near, pid = runs_of("barrier", "mb", "pid")
+    mb, nn = runs_of("far", "mb", "nn")
 
-
-def test_far_away_both_break_and_mb_for_good():
-    mb, nn = run_of("far", "mb"), run_of("far", "nn")
-
+    assert near.monitor.violations == 0
+    assert pid.monitor.max_abs_v[0] == pytest.approx(3.0, abs=0.15)
     assert 3.0 < first_time(mb) < 3.1
     assert abs(mb["v1"][-1000:]).min() > 1.0
     assert 0 < nn.monitor.violations < 1000
     assert first_time(nn) > 3.0
 
 
-def test_at_100_ms_the_papers_laws_break_at_once():
-    mb, nn = run_of("slow", "mb"), run_of("slow", "nn")
+def test_at_100_ms_the_papers_laws_break_at_once_and_prox_needs_no_guard():
+    mb, nn = runs_of("slow", "mb", "nn")
+    prox, guarded = (run.summary() for run in runs_of("tuned", "prox", "nn"))
 
     assert max(first_time(mb), first_time(nn)) < 0.1
     assert mb.summary()["position_rms"]["last_quarter"] > 1.0
-
-
-def test_prox_needs_no_guard_where_nn_does():
-    prox, nn = run_of("tuned", "prox"), run_of("tuned", "nn")
-
-    assert prox.summary()["tracked"]
-    assert max(prox.summary()["guard_share"]) == pytest.approx(1 / 200)
-    assert max(nn.summary()["guard_share"]) > 0.5
+    assert prox["tracked"]
+    assert max(prox["guard_share"]) == pytest.approx(1 / 200)
+    assert max(guarded["guard_share"]) > 0.5
 
 
 def test_a_page_has_the_certified_corridors():
@@ -65,14 +59,11 @@ def test_a_page_has_the_certified_corridors():
 
     tubes = content_of([scene], ("prox", "pid"), 0, lambda share: None).data["scenes"][0]["tubes"]
 
-    course = run_corridor(scenario, "prox").course
-    assert list(tubes) == ["prox"]
-    assert len(tubes["prox"]["widths"]) == 30
-    assert tubes["prox"]["widths"] == [max(course[0, k : k + 10]) for k in range(0, 300, 10)]
-    shown = length(course[0].max())
-    assert {**tubes["prox"], "widths": 0} == {
-        "widths": 0, "every": pytest.approx(0.1), "shown": shown, "until": 3.0,
-    }  # fmt: skip
+    course = run_corridor(scenario, "prox").course[0]
+    assert tubes == {"prox": {
+        "widths": [max(course[k : k + 10]) for k in range(0, 300, 10)],
+        "every": pytest.approx(0.1), "shown": length(course.max()), "until": 3.0,
+    }}  # fmt: skip
 
 
 def test_a_robot_has_room_for_delay_that_no_law_is_told():
