@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.arithmetic.functions import one
 from tests.compilers import compile_in
-from wmr_ctrl.codegen.emit import QUALIFIERS, definition
+from wmr_ctrl.codegen.emit import QUALIFIERS, definition, kernel
 from wmr_ctrl.codegen.resources import runtime_dir
 from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 
@@ -16,6 +16,11 @@ _HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "ar
 REALS = ct.POINTER(ct.c_double)
 ELEMENTARY = {ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos"}
 """Of all other operations there is only one right result."""
+
+
+def made(y, name="made", *, prepared=False, **inputs):
+    """A kernel of one output."""
+    return kernel(name, "A kernel of a test.", inputs, {"y": y}, prepared=prepared)
 
 
 def compiled(kernels, *, native=False):

@@ -3,10 +3,10 @@
 import casadi as ca
 import numpy as np
 
-from tests.codegen.compiled import compiled, machine
+from tests.codegen.compiled import compiled, machine, made
 from wmr_ctrl.codegen.body import body
 from wmr_ctrl.codegen.dialect import LANES, SCALAR
-from wmr_ctrl.codegen.emit import definition, kernel
+from wmr_ctrl.codegen.emit import definition
 from wmr_ctrl.world.model.graph import read
 
 
@@ -15,7 +15,7 @@ def one_after_the_other():
     x = ca.SX.sym("x", 3)
     first = ca.if_else(x[0] > 0, ca.exp(x[1]), ca.log(1 + x[2] * x[2]))
     second = ca.if_else(x[0] > 0, ca.exp(ca.sin(first)), ca.log(2 + ca.cos(first)))
-    return kernel("after", "Two choices.", {"x": x}, {"y": ca.vertcat(first, second)})
+    return made(ca.vertcat(first, second), "after", x=x)
 
 
 def shared_by_an_inner_one():
@@ -24,7 +24,7 @@ def shared_by_an_inner_one():
     value = ca.exp(x[1])
     inner = ca.if_else(x[2] > 0, ca.sin(value) * ca.exp(x[2]), ca.log(1 + x[2] * x[2]))
     outer = [ca.if_else(x[0] > 0, item, 0.5) for item in (value, inner)]
-    return kernel("within", "Choices in choices.", {"x": x}, {"y": ca.vertcat(*outer)})
+    return made(ca.vertcat(*outer), "within", x=x)
 
 
 def test_choices_that_read_each_other_keep_their_values():

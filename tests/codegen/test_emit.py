@@ -6,14 +6,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tests.codegen.compiled import compiled, machine
-from wmr_ctrl.codegen.emit import definition, kernel
+from tests.codegen.compiled import compiled, machine, made
+from wmr_ctrl.codegen.emit import definition
 
 INPUTS = 6
-
-
-def made(y, name="made", *, prepared=False, **inputs):
-    return kernel(name, "A kernel of a test.", inputs, {"y": y}, prepared=prepared)
 
 
 def assert_same_bits(item, step, draws):

@@ -6,15 +6,16 @@ import sys
 import casadi as ca
 import pytest
 
+from tests.codegen.compiled import made
 from tests.commands import finished
 from wmr_ctrl.codegen import cache, source
 from wmr_ctrl.codegen.dialect import LANES
-from wmr_ctrl.codegen.emit import definition, kernel
+from wmr_ctrl.codegen.emit import definition
 
 
 def example():
     x = ca.SX.sym("x", 3)
-    return kernel("example", "An example.", {"x": x}, {"y": ca.sin(x) * x})
+    return made(ca.sin(x) * x, x=x)
 
 
 @pytest.fixture

@@ -5,9 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.export.fmi.test_fmi_equality import assert_same
 from wmr_ctrl.api import simulate
-from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.export.cosim import cosimulate
@@ -50,19 +48,6 @@ speed = { terms = { v1 = 1.0 }, unit = "m/s" }
 @pytest.fixture
 def eager(foreign, mapped):
     return {"controller": foreign("Eager", EAGER), "map_file": mapped(MAP)}
-
-
-@pytest.mark.parametrize("law, version", [("pid", 2), ("nn", 3)])
-@pytest.mark.slow
-def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(exported, law, version):
-    guarded = simulate(SAFE, law, seed=4)
-    run = cosimulate(SAFE, controller=exported(law, version, BARE), seed=4, fmi=version)
-
-    assert guarded["clip_active"].any()
-    assert_same(run, guarded)
-    assert summary(run)["guard_share"] == summary(guarded)["guard_share"]
-    assert run.provenance["fmu_guard"].startswith("wmr_guard (")
-    assert "guard: wmr_guard (guard.fmu" in summary_text(run)
 
 
 @pytest.mark.slow

@@ -114,17 +114,16 @@ def test_a_connection_converts_by_the_row_that_gives_and_then_by_the_row_that_ta
         "controller": Component("ctl", b"", [], list(taken), [], []),
         "plant": Component("bot", b"", [], [], list(rows), []),
     }
-    system = ET.fromstring(_structure(parts, SHORT, False).encode())
     found = {}
-    for line in system.findall(".//{*}Connection"):
+    for line in ET.fromstring(_structure(parts, SHORT, False)).iter("{*}Connection"):
         change = line.find("{*}LinearTransformation")
-        numbers = None if change is None else (change.get("factor"), change.get("offset"))
         ends = (line.get("startElement"), line.get("startConnector"), line.get("endConnector"))
-        found[ends] = numbers and tuple(map(float, numbers))
+        numbers = () if change is None else (change.get("factor"), change.get("offset"))
+        found[ends] = tuple(map(float, numbers))
 
     assert found == {
-        ("plant", "px", "pos"): (5.0, 25.0), ("plant", "th", "angle"): None,
-        ("plant", "px", "x"): (0.5, 2.0), ("plant", "th", "theta"): None,
+        ("plant", "px", "pos"): (5.0, 25.0), ("plant", "th", "angle"): (),
+        ("plant", "px", "x"): (0.5, 2.0), ("plant", "th", "theta"): (),
     }  # fmt: skip
 
 

@@ -181,19 +181,6 @@ def test_a_robot_is_dragged_and_thrown(shown):
     assert shown.value("wmr.page.held") is None
 
 
-def test_keys(shown):
-    shown.press(" ")
-    assert shown.value("wmr.page.playing")
-    shown.press(" ")
-    shown.press("3")
-    assert shown.value("wmr.page.fleet.scene.key") == "guard"
-    shown.value("wmr.page.play(false), wmr.page.restart()")
-    shown.press(".")
-    assert shown.value("wmr.page.fleet.sampled") == 1
-    shown.press("g")
-    assert not shown.value("wmr.page.fleet.variant.guard")
-
-
 def test_a_push_ends(shown):
     """It is gone after half a second, and the scene's own numbers hold again."""
     shown.value("wmr.page.fleet.advance(5, 1e9), wmr.page.push()")

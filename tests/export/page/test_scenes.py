@@ -127,21 +127,21 @@ def test_its_page_says_what_a_filter_does_not_promise(burger, tmp_path):
 
 
 def test_before_a_wall_there_are_clipped_commands_the_approach_rule_and_the_filter():
-    shown = scenes(walled(), ("kanayama",))
-    told = content_of(shown, ("kanayama",), 0, lambda _: None)
-    (scene,), loops = told.data["scenes"], {item.name for item in told.loops}
-    ways = scene["stops"]["ways"]
-    burger = content_of(scenes(BURGER, ("pursuit",)), ("pursuit",), 0, lambda _: None)
-    other = burger.data["scenes"][0]
+    def told(scenario, law):
+        found = content_of(scenes(scenario, (law,)), (law,), 0, lambda _: None)
+        return found, found.data["scenes"][0]
+
+    content, scene = told(walled(), "kanayama")
+    _, other = told(BURGER, "pursuit")
+    named, others = ({item["name"] for item in each["controls"]} for each in (scene, other))
 
     assert scene["shown"] == ("kanayama-clipped", "kanayama-approach", "kanayama-governor")
-    assert len(loops) == 3
+    assert len({item.name for item in content.loops}) == 3
     assert "nav2’s node was not run" in scene["text"]
     assert scene["obstacles"] == (((3.0, -1.0), (3.0, 1.0)),)
-    assert ways[10] == pytest.approx(stopping(walled(), 0.5).distance)
-    assert "base.delay" in [item["name"] for item in scene["controls"]]
-    assert told.room.delay_steps * walled().clock.plant == pytest.approx(0.5)
-    assert "base.delay" not in [item["name"] for item in other["controls"]]
+    assert scene["stops"]["ways"][10] == pytest.approx(stopping(walled(), 0.5).distance)
+    assert content.room.delay_steps * walled().clock.plant == pytest.approx(0.5)
+    assert "base.delay" in named - others
     assert (other["obstacles"], "stops" in other) == ((), False)
 
 
