@@ -8,6 +8,7 @@ import pytest
 from tests.commands import flat
 from tests.export.cosim.foreign import LOST, PLANT_MAP
 from tests.export.cosim.test_run import SHORT
+from tests.papers_robot import preset
 from tests.tables import cases, changes
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
@@ -40,6 +41,21 @@ def test_a_controller_of_another_law_or_without_a_map_is_refused(exported, their
         cosimulate(SHORT, controller=their_controller["controller"])
     with pytest.raises(ArgumentError, match=r"'pid' has no effect: the controller .*Leave"):
         cosimulate(SHORT, "pid", **their_controller)
+
+
+@pytest.mark.parametrize("key", ["base.rest", "filter.free_error"])
+def test_what_no_part_does_is_refused_before_any_is_built(key, monkeypatch):
+    monkeypatch.delattr("wmr_ctrl.export.cosim.run.write_fmu")
+    cart = """
+        base.kind = velocity
+        limits.v_u1 = [1, 2]
+        filter.kind = governor
+        filter.tau = [0.1, 0.3]
+        filter.rest = 1
+        disturbance.std = 0
+    """
+    with pytest.raises(ArgumentError, match=key):
+        cosimulate(preset("paper-simulation", cart, {key: 0.5}), "kanayama")
 
 
 def test_a_step_that_does_not_divide_the_period_is_refused(their_plant, mapped):
