@@ -46,9 +46,10 @@ def shown(folder, command, runner=(), flags=FLAGS):
     for name, text in files().items():
         (folder / name).write_text(str(text), encoding="utf-8")
     own = ["-DWMR_PRINT"] if runner != NODE else []
-    compile_program(folder, [*command, *own, *flags, f"-I{folder}"], [SOURCE.name], "each.exe")
+    out = {NODE: "each.wasm", WINE: "each.exe"}.get(runner, "each")
+    compile_program(folder, [*command, *own, *flags, f"-I{folder}"], [SOURCE.name], out)
     environment = {**os.environ, **BESIDE_QEMU, **(wine() if runner == WINE else {})}
-    command = [*run, *([SCRIPT] if runner == NODE else []), folder / "each.exe"]
+    command = [*run, *([SCRIPT] if runner == NODE else []), folder / out]
     printed = finished(command, timeout=300, env=environment).stdout
     return dict(zip(EVERY, printed.split(), strict=True))
 

@@ -67,10 +67,14 @@ def test_unknowns_stand_in_order_and_depend_on_what_is_known(exported, what, ver
 
 
 CAPABLE = "canGetAndSetFMU{0}tate canSerializeFMU{0}tate canHandleVariableCommunicationStepSize"
+EARLY = " canReturnEarlyAfterIntermediateUpdate mightReturnEarlyFromDoStep"
 CAPABILITIES = {
-    2: (CAPABLE.format("s"), " providesDirectionalDerivative"),
+    2: (
+        CAPABLE.format("s") + " canNotUseMemoryManagementFunctions",
+        " providesDirectionalDerivative",
+    ),
     3: (
-        CAPABLE.format("S") + " canReturnEarlyAfterIntermediateUpdate providesIntermediateUpdate",
+        CAPABLE.format("S") + EARLY + " providesIntermediateUpdate",
         " providesAdjointDerivatives providesDirectionalDerivatives",
     ),
 }

@@ -115,7 +115,7 @@ def test_a_connection_converts_by_the_row_that_gives_and_then_by_the_row_that_ta
         "plant": Component("bot", b"", [], [], list(rows), []),
     }
     found = {}
-    for line in ET.fromstring(_structure(parts, SHORT, False)).iter("{*}Connection"):
+    for line in ET.fromstring(_structure(parts, SHORT, False)).findall(".//{*}Connection"):
         change = line.find("{*}LinearTransformation")
         ends = (line.get("startElement"), line.get("startConnector"), line.get("endConnector"))
         numbers = () if change is None else (change.get("factor"), change.get("offset"))
