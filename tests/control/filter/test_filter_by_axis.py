@@ -76,12 +76,11 @@ CLIP = STATED | {"filter.kind": "clip"}
 
 
 @pytest.mark.parametrize("name", ["tau", "gain", "delay", "damping", "frequency", "loop"])
-@pytest.mark.parametrize("wheels", [{"channels": "wheels"}, {"wheel_speed": 0.8}])
-def test_wheels_take_none_that_differ(name, wheels):
+@pytest.mark.parametrize("key, own", [("channels", "wheels"), ("wheel_speed", 0.8)])
+def test_wheels_take_none_that_differ(name, key, own):
     value = ("first-order", "second-order") if name == "loop" else ((0.5, 0.6), (0.5, 0.7))
-    (key,) = wheels
     with pytest.raises(ScenarioError, match=rf"^filter\.{name} is stated for v .* filter\.{key}"):
-        scenario("clip", **{"damping": (0.5, 0.6), name: value}, **wheels)
+        scenario("clip", **{"damping": (0.5, 0.6), name: value, key: own})
 
 
 MIXED = 'filter.loop = ["first-order", "second-order"]'

@@ -161,14 +161,9 @@ int main(void)
 @pytest.mark.slow
 def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path):
     """From the smallest float to where it overflows, at the ends, and where it is worst."""
-    draw = np.random.default_rng(0)
-    sizes = [
-        10 ** draw.uniform(-45, 1.94, 2000),
-        draw.uniform(0, 89, 1000),
-        draw.uniform(0, 2, 1000),
-    ]
+    sizes = 10 ** np.random.default_rng(0).uniform(-45, 1.94, 4000)
     worst = [float.fromhex("0x1.125cf2p+4"), float.fromhex("0x1.63a7bap-2"), 17.5, 3e-8, 88.7228]
-    size = np.float32([*np.concatenate(sizes), *worst, 0.0, 89.0, 1e30, math.inf])
+    size = np.float32([*sizes, *worst, 0.0, 89.0, 1e30, math.inf])
     given = np.concatenate([size, -size, np.float32([math.nan])])
     needs("gcc")
     write_package("filter", tmp_path, scenario(), float32=True)

@@ -46,14 +46,9 @@ class Case:
     M_min: float = 45.0
     tau_max: float | None = None
 
-    @property
-    def setup(self):
-        """The guard by itself, settled with these numbers, once for all trials of a case."""
-        return settled(self)
-
     def formula(self, axis):
         """The same numbers for the formula in NumPy; the limit is shrunk as the product's."""
-        setup, share = self.setup, (1.0, 0.2)[axis]
+        setup, share = settled(self), (1.0, 0.2)[axis]
         stated = setup.guard
         count = max(item.roundings for item in stated.lateness(setup.scenario.clock))
         return LateGuard(
@@ -102,7 +97,7 @@ def settled(case):
 @lru_cache(maxsize=512)
 def composed(case):
     """The guard of a case, and what it does with a sample: next state, torques, what is watched."""
-    system = guard_system(case.setup)
+    system = guard_system(settled(case))
     return system, system.function("guard", [*map(ca.densify, (system.update, system.y, system.d))])
 
 
@@ -154,7 +149,7 @@ def trial(
     sent = [np.zeros((2, lanes))] * n
     tails = [[np.full(lanes, item.first_tail)] * 2 for item in formulas]
     share = np.array([[1.0], [0.2]]) * np.ones((2, lanes))
-    h, robot = case.T / PARTS, case.setup.scenario.robot
+    h, robot = case.T / PARTS, settled(case).scenario.robot
     ways = {name: _ways(draw, lanes, samples) for name in ("asked", "push", "error")}
     chosen = draw.random((samples, PARTS, 2, lanes))
     mean_late = draw.choice([0.0, 0.5, 1.0], lanes)

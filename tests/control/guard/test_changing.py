@@ -26,11 +26,13 @@ def driven(scenario, trials, falls=1.0, seed=0):
     setup = settle(scenario, "pid")
     system, numbers = guard(setup), setup.guard
     step = system.function("guard", [system.update, system.y]).map(trials)
-    at, draw, T = places(item.signal for item in system.state), np.random.default_rng(seed), 0.01
+    at = places(item.signal for item in system.state)[IN_FORCE.name]
+    draw, T = np.random.default_rng(seed), 0.01
     x, p = (np.tile(np.array(own)[:, None], trials) for own in (system.x0, system.p0))
     r, l, v, beyond = scenario.robot.r, scenario.robot.l, np.zeros((2, trials)), -np.inf
-    low, high = (np.reshape(own, (2, 1)) for own in (numbers.M_min, numbers.M_max))
-    mass = np.where(draw.random((2, trials)) < 0.5, low, high)
+    mass = np.where(
+        draw.random((2, trials)) < 0.5, np.vstack(numbers.M_min), np.vstack(numbers.M_max)
+    )
     widest = np.array(scenario.limits.v_u1)[:, None] * np.ones(trials)
     limits, asked = widest, np.full((2, trials), 1e4)
     for _ in range(250):
@@ -38,30 +40,20 @@ def driven(scenario, trials, falls=1.0, seed=0):
         limits = np.where(lowered, widest * draw.uniform(0, 1.2, (2, trials)), limits)
         asked = np.where(draw.random((2, trials)) < 0.02, -asked, asked)
         told = np.stack([-limits[0], limits[0], -limits[1], limits[1]])
-        before = x[at[IN_FORCE.name]].copy()
-        x, torque = (
-            own.full()
-            for own in step(
-                np.vstack([asked, v - np.sign(v) * np.reshape(ERROR, (2, 1)), told]), x, p
-            )
-        )
-        x[at[IN_FORCE.name]] = before + falls * (x[at[IN_FORCE.name]] - before)
+        before, seen = x[at].copy(), v - np.sign(v) * np.vstack(ERROR)
+        x, torque = (own.full() for own in step(np.vstack([asked, seen, told]), x, p))
+        x[at] = before + falls * (x[at] - before)
         force = np.stack([torque[0] + torque[1], l * (torque[0] - torque[1])]) / r
-        v = v + T / mass * (force + np.where(v >= 0, 1, -1) * np.reshape(PUSH, (2, 1)))
-        least, most = x[at[IN_FORCE.name]][[0, 2]], x[at[IN_FORCE.name]][[1, 3]]
+        v = v + T / mass * (force + np.where(v >= 0, 1, -1) * np.vstack(PUSH))
+        least, most = x[at][[0, 2]], x[at][[1, 3]]
         beyond = max(beyond, (v - most).max(), (least - v).max())
     return beyond
 
 
 def test_limits_in_force_are_kept_while_they_fall():
+    sides = changes("limits.v_min = [-0.5, -1.0]; limits.v_max = [0.9, 1.4]")
     assert driven(SCENARIO, 200) <= 1e-12
-    assert (
-        driven(
-            override(SCENARIO, changes("limits.v_min = [-0.5, -1.0]; limits.v_max = [0.9, 1.4]")),
-            200,
-        )
-        <= 1e-12
-    )
+    assert driven(override(SCENARIO, sides), 200) <= 1e-12
 
 
 def test_limits_that_fall_faster_are_not_kept():

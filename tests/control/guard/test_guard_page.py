@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.control.guard.late_trial import LIMITS, Case, Thrown, composed, trial
+from tests.control.guard.late_trial import LIMITS, Case, Thrown, composed, settled, trial
 from tests.control.guard.test_lateness_any import returned
 
 ROBOTS = 150
@@ -53,7 +53,7 @@ def test_a_refused_force_could_leave_the_limit(name, way):
     Friction may stop at once a robot that moves the other way, and then vanish.
     """
     case, (system, step) = CASES[name], composed(CASES[name])
-    share, robot = np.array([1.0, 0.2]), case.setup.scenario.robot
+    share, robot = np.array([1.0, 0.2]), settled(case).scenario.robot
     for v in np.linspace(-1, 1, 20)[:, None] * LIMITS:
         right, left = step([way * 1e6, way * 1e6, *v], system.x0, system.p0)[1].full().ravel()
         force = np.array([right + left, robot.l * (right - left)]) / robot.r

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.control.guard.late_trial import Case, trial
+from tests.control.guard.late_trial import Case, settled, trial
 from tests.control.guard.test_delay import ON
 from tests.tables import changes
 from wmr_ctrl.control.controller import guard as guard_system
@@ -129,7 +129,7 @@ def test_a_mean_over_one_sample_counts_the_last_command_half():
 ])  # fmt: skip
 def test_what_cannot_be_met_is_refused_with_numbers_and_a_remedy(case, said):
     with pytest.raises(ScenarioError) as refused:
-        guard_system(case.setup)
+        guard_system(settled(case))
 
     assert re.search(said, str(refused.value)), str(refused.value)
 
