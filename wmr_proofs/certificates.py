@@ -1,5 +1,7 @@
 """The committed certificates: the index from claims to obligations, and a packed file of each."""
 
+import json
+import lzma
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
@@ -65,3 +67,25 @@ def held(key: str) -> dict[str, Any]:
     """Texts and certificates of an entry by obligation, as committed."""
     path = FOLDER / f"{key}.json.xz"
     return dict(unpacked(path)) if path.exists() else {}
+
+
+def words_hash(claim: Claim) -> str:
+    """SHA-256 of a claim's words."""
+    return digest([claim.claim, claim.hypotheses, claim.meaning])
+
+
+def save(row: dict[str, Any], certificates: Mapping[str, Any]) -> None:
+    """Replace an entry's row and its file."""
+    path = FOLDER / f"{row['id']}.json.xz"
+    path.unlink(missing_ok=True)
+    if certificates:
+        text = json.dumps(certificates, separators=(",", ":"))
+        path.write_bytes(lzma.compress(text.encode(), preset=6 | lzma.PRESET_EXTREME))
+    save_index({**index(), row["id"]: row})
+
+
+def save_index(rows: Mapping[str, Row]) -> None:
+    """Write the index, one row a line, in the order of their ids."""
+    lines = ",\n".join(json.dumps(rows[key]) for key in sorted(rows))
+    (FOLDER / INDEX).write_text(f"[\n{lines}\n]\n", encoding="utf-8")
+    index.cache_clear()

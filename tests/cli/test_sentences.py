@@ -117,12 +117,11 @@ def answers(law="pid", **changes):
 
 def test_what_all_of_several_laws_have_in_common_is_said_once():
     several = {"pid": (BOTH, ONE), "mb": (OTHER, BOTH), "prox": (ONE, BOTH)}
+    each = [(None, BOTH), ("pid", ONE), ("mb", OTHER), ("prox", ONE)]
 
-    assert list(check._merged(answers(warned=several))) == [
-        (None, BOTH), ("pid", ONE), ("mb", OTHER), ("prox", ONE),
-    ]  # fmt: skip
-    (*of_one,) = check._merged(answers(warned={"pid": (ONE, BOTH)}))
-    assert of_one == [("pid", ONE), ("pid", BOTH)]
+    assert list(check._merged(answers(warned=several))) == each
+    alone = check._merged(answers(warned={"pid": (ONE, BOTH)}))
+    assert list(alone) == [("pid", ONE), ("pid", BOTH)]
 
 
 def test_stable_periods_delays_and_masses_are_told_as_they_were_found():

@@ -1,6 +1,5 @@
 """The picture of what is proved says no more than the committed ledger."""
 
-
 import pytest
 
 from analysis.chain import CHAINS, picture, verdicts

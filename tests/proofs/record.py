@@ -14,12 +14,11 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from tests.proofs.kept_certificates import save_index, words_hash
 from tests.proofs.ledger_page import page
 from tests.proofs.second_solvers import confirmed_by
 from wmr_ctrl.results.ledger import COMMITTED, OPEN, Ledger, load
 from wmr_proofs.alterations import functions_of
-from wmr_proofs.certificates import index
+from wmr_proofs.certificates import FOLDER, index, save_index, words_hash
 from wmr_proofs.claim import CLAIMED
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import stale
@@ -37,7 +36,8 @@ COUNT = r"\d+ of \d+ entries by z3"
 def record(ledger):
     """Save the ledger where `load` finds it, the page in docs/, and what pages count of it.
 
-    The index of certificates gets the hashes of the words of today.
+    The index of certificates gets the hashes of the words of today; those of entries that are gone
+    are dropped.
     """
     ledger.save(COMMITTED)
     PAGE.write_text(page(ledger), "utf-8")
@@ -45,6 +45,8 @@ def record(ledger):
         text = path.read_text("utf-8")
         path.write_text(re.sub(COUNT, certified(ledger), text), encoding="utf-8")
     words = {claim.id: words_hash(claim) for claim in all_claims()}
+    for key in index().keys() - words.keys():
+        (FOLDER / f"{key}.json.xz").unlink(missing_ok=True)
     save_index({key: row | {"claim": words[key]} for key, row in index().items() if key in words})
 
 

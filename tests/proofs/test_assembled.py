@@ -6,6 +6,7 @@ from dataclasses import replace
 import casadi as ca
 import pytest
 
+from tests.tables import cases, changes
 from wmr_ctrl.control import applied, controller
 from wmr_ctrl.control.guard import delay, guard
 from wmr_ctrl.control.laws import prox
@@ -60,37 +61,6 @@ def any_drives(*given):
     return CONDITIONS(*given)[:0]
 
 
-@pytest.mark.parametrize(
-    "key, module, name, stand_in",
-    [
-        ("", controller, "guarded", bypassed),
-        ("", guard, "rounding", rounded_down),
-        (".late", controller, "delayed_push", never_at_rest),
-        (".late", controller, "_built_for", any_drives),
-        ("", guard, "feasible", lambda _: 1),
-        (".keeps", controller, "guarded", unsafe_anchor),
-        (".keeps", guard, "within_reach", reached_about),
-    ],
-)
-@pytest.mark.slow_but(
-    "-wmr_ctrl.control.controller-guarded-bypassed",
-    "-wmr_ctrl.control.guard.guard-rounding-rounded_down",
-)
-def test_what_is_exported_is_what_the_entries_speak_of(monkeypatch, key, module, name, stand_in):
-    is_noticed(monkeypatch, f"guard.assembled{key}", module, name, stand_in)
-
-
-def is_noticed(monkeypatch, key, place, name, stand_in):
-    """Whether what two of z3's engines prove is more than they can with the stand-in."""
-    claim, engines = ENTRIES[key], [*portfolio.ENGINES.items()][:2]
-    monkeypatch.setattr(portfolio, "ENGINES", dict(engines))
-    assert claim.method.decide(claim.statement(CLAIMED)).verdict == PROVED
-
-    monkeypatch.setattr(place, name, stand_in)
-    method = replace(claim.method, effort=5)
-    assert method.decide(claim.statement(CLAIMED)).verdict in (REFUTED, OPEN)
-
-
 def capped(std, truncate, believed):
     """The bound of torque noise, of which no more than three standard deviations count."""
     thrust = 2.0 * std * min(truncate, 3.0) / believed[0]
@@ -117,6 +87,13 @@ def whole_shares(context):
 @pytest.mark.parametrize(
     "key, place, name, stand_in",
     [
+        ("guard.assembled", controller, "guarded", bypassed),
+        ("guard.assembled", guard, "rounding", rounded_down),
+        ("guard.assembled.late", controller, "delayed_push", never_at_rest),
+        ("guard.assembled.late", controller, "_built_for", any_drives),
+        ("guard.assembled", guard, "feasible", lambda _: 1),
+        ("guard.assembled.keeps", controller, "guarded", unsafe_anchor),
+        ("guard.assembled.keeps", guard, "within_reach", reached_about),
         ("world.noise.thrust", torque_noise, "noise_at_most", capped),
         ("guard.assembled", applied.Applied, "following", kept_late),
         ("world.lag.applied", drive_bounds, "followed", held_mean),
@@ -124,12 +101,23 @@ def whole_shares(context):
     ],
 )
 @pytest.mark.slow_but(
+    "guard.assembled-wmr_ctrl.control.controller-guarded-bypassed",
+    "guard.assembled-wmr_ctrl.control.guard.guard-rounding-rounded_down",
     "world.noise.thrust-wmr_ctrl.world.torque_noise-noise_at_most-capped",
     "guard.assembled-Applied-following-kept_late",
     "world.lag.applied-wmr_proofs.claims.drive_bounds-followed-held_mean",
 )
-def test_what_feeds_guard_and_law_is_in_an_entry(monkeypatch, key, place, name, stand_in):
-    is_noticed(monkeypatch, key, place, name, stand_in)
+def test_what_feeds_guard_and_law_and_is_exported_is_in_an_entry(
+    monkeypatch, key, place, name, stand_in
+):
+    """What two of z3's engines prove is more than they can with the stand-in."""
+    claim, engines = ENTRIES[key], [*portfolio.ENGINES.items()][:2]
+    monkeypatch.setattr(portfolio, "ENGINES", dict(engines))
+    assert claim.method.decide(claim.statement(CLAIMED)).verdict == PROVED
+
+    monkeypatch.setattr(place, name, stand_in)
+    method = replace(claim.method, effort=5)
+    assert method.decide(claim.statement(CLAIMED)).verdict in (REFUTED, OPEN)
 
 
 def test_a_number_that_leaks_out_of_a_bound_is_found():
@@ -157,10 +145,6 @@ def test_law_and_map_have_no_part_in_the_flag():
     assert len(graphs) == 1
 
 
-GUARDED = {"guard.enabled": True}
-LAGGING = {"actuator.delay": 0.013, "actuator.lag": 0.02}
-
-
 def is_told(system):
     """Each element that a System gives, remembers and publishes, by its name."""
     ports = (*system.outputs, *system.diagnostics)
@@ -179,31 +163,24 @@ def digest(system, names):
     return graph_of(table, [told[name] for name in names]).digest
 
 
-COUNTING = {"sensor.velocity_window": 0.02, "actuator.jitter": 0.01}
-
-
 @pytest.mark.parametrize(
-    "law, changes",
-    [
-        ("pid", {}),
-        ("mb", GUARDED),
-        ("mb", GUARDED | LAGGING),
-        ("prox", LAGGING),
-        ("prox", GUARDED | COUNTING),
-        pytest.param("smc", GUARDED | LAGGING, marks=pytest.mark.slow),
-        pytest.param("mb", GUARDED | COUNTING, marks=pytest.mark.slow),
-        pytest.param("nn", GUARDED | {"guard.map": "rotation-first"}, marks=pytest.mark.slow),
-        pytest.param("nn", LAGGING, marks=pytest.mark.slow),
-        pytest.param("prox", GUARDED | LAGGING, marks=pytest.mark.slow),
-        pytest.param("kanayama", {}, marks=pytest.mark.slow),
-        pytest.param("kanayama", GUARDED | COUNTING, marks=pytest.mark.slow),
-        pytest.param("pursuit", GUARDED, marks=pytest.mark.slow),
-        pytest.param("pursuit", LAGGING, marks=pytest.mark.slow),
-    ],
+    "law, told",
+    cases("""
+    pid | guard.enabled = false
+    mb | guard.enabled = true
+    mb | guard.enabled = true; actuator.delay = 0.013; actuator.lag = 0.02
+    prox | actuator.delay = 0.013; actuator.lag = 0.02
+    prox | guard.enabled = true; sensor.velocity_window = 0.02; actuator.jitter = 0.01
+    smc | guard.enabled = true; actuator.delay = 0.013; actuator.lag = 0.02 | slow
+    nn | guard.enabled = true; guard.map = "rotation-first" | slow
+    nn | actuator.delay = 0.013; actuator.lag = 0.02 | slow
+    kanayama | guard.enabled = true; sensor.velocity_window = 0.02; actuator.jitter = 0.01 | slow
+    pursuit | guard.enabled = true | slow
+    """),
 )
-def test_what_is_watched_and_asked_is_the_controller(law, changes):
+def test_what_is_watched_and_asked_is_the_controller(law, told):
     """The graph of which entries speak has the compiled text of the one that is exported."""
-    setup = settle(load_scenario(PRESET, {"clock.control": 0.01, **changes}), law)
+    setup = settle(load_scenario(PRESET, {"clock.control": 0.01, **changes(told)}), law)
     plain, asking = controller.controller(setup), controller.asking_controller(setup)
     names = [*is_told(plain)]
 

@@ -5,18 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.proofs.kept_certificates import words_hash
 from tests.proofs.record import COUNTING, certified
 from tests.proofs.test_checker import said
 from wmr_ctrl.results.ledger import load
-from wmr_proofs.certificates import FOLDER, differing, index, with_certificate
+from wmr_proofs.certificates import FOLDER, differing, index, with_certificate, words_hash
 from wmr_proofs.check import digest
 from wmr_proofs.claims import all_claims
 
 ROOT = Path(__file__).parents[2]
 CLAIMS = {claim.id: claim for claim in all_claims()}
 ENTRIES = load().by_id()
-REMEDY = "python -m tests.proofs.find "
+REMEDY = "python -m wmr_proofs.find "
 PROMISES = (
     "guard.lemma", "guard.delay.lemma", "guard.late.lemma", "guard.varying.lemma",
     "guard.promise", "filter.clip", "filter.induction",

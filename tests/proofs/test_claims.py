@@ -128,22 +128,10 @@ def test_a_selection_runs_and_agrees_with_the_committed_ledger():
     assert seen[-1] == pytest.approx(1)
 
 
-@pytest.mark.slow
-def test_two_processes_find_what_one_does():
-    one, two = (prove(["eq03", "lemma.log"], processes=count) for count in (1, 2))
-
-    assert [(e.id, e.verdict, e.graph_hash) for e in one.entries] == [
-        (e.id, e.verdict, e.graph_hash) for e in two.entries
-    ]
-
-
-def test_a_beginning_selects_all_of_its_kind():
+def test_patterns_beginnings_and_several_ids_select():
     assert set(selected(["authority"])) >= {"authority.shape", "authority.limit"}
     with pytest.raises(UnknownNameError, match="eq25"):
         selected(["eq2x"])
-
-
-def test_patterns_and_several_ids_select():
     assert set(selected(["eq8[67]"])) == {"eq86"}
     assert selected(["guard.*"]) == [key for key in selected(()) if key.startswith("guard.")]
     assert set(selected(["eq03", "eq05"])) == {"eq03", "eq05"}
@@ -215,58 +203,45 @@ def test_exported_obligations_are_smt_lib(tmp_path):
         assert answer == ("unsat" if proved else "sat")
 
 
-SOLVERS = pytest.mark.parametrize("solver", ["cvc5", "yices"])
-
-
-def asked(key, point=None):
-    """Obligations of an entry by name."""
-    module = pytest.importorskip("wmr_proofs.methods.obligations")
-    claim = next(claim for claim in all_claims() if claim.id == key)
-    return {item.name: item for item in module.obligations(claim.statement(CLAIMED), point)}
-
-
 @pytest.mark.slow
 def test_a_second_solver_agrees_where_it_is_installed(monkeypatch):
     yices = second_solvers.programs().get("yices") or pytest.skip("NOT RUN: no yices")
     monkeypatch.setattr(second_solvers, "programs", lambda: {"yices": yices})
-    claim = next(claim for claim in all_claims() if claim.id == "guard.inside")
+    (claim,) = (claim for claim in all_claims() if claim.id == "guard.inside")
 
     assert second_solvers.confirmed_by(claim.statement(CLAIMED)) == ("yices",)
     assert second_solvers.confirmed_by(claim.statement(MUTATED)) == ()
 
 
-@SOLVERS
+@pytest.mark.parametrize("solver", ["cvc5", "yices"])
 def test_second_solvers_meet_hypotheses_at_the_recorded_point_and_not_at_another(solver):
+    """A symbol may have the name of a command, "push"."""
     _ = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
-    point = load().by_id()["guard.feasible"].satisfied_at
+    module = pytest.importorskip("wmr_proofs.methods.obligations")
+    (claim,) = (claim for claim in all_claims() if claim.id == "guard.monitor")
+    point = load().by_id()["guard.monitor"].satisfied_at
 
     def said(values):
-        return second_solvers.answer(solver, asked("guard.feasible", values)["hypotheses"].text)
+        items = module.obligations(claim.statement(CLAIMED), values)
+        (text,) = (item.text for item in items if item.name == "hypotheses")
+        return second_solvers.answer(solver, text)
 
+    assert "push" in point
     assert said(point) == "sat"
     assert said(dict.fromkeys(point, "-1")) == "unsat"
 
 
 def test_what_no_second_solver_closes_as_a_whole_it_closes_case_by_case():
-    cases = pytest.importorskip("tests.proofs.cases")
+    cases = pytest.importorskip("tests.proofs.cases").cases
     _ = second_solvers.programs().get("yices") or pytest.skip("NOT RUN: no yices")
-    claim = next(claim for claim in all_claims() if claim.id == "strict.falls")
+    (claim,) = (claim for claim in all_claims() if claim.id == "strict.falls")
+    claimed, mutated = (
+        {second_solvers.answer("yices", text) for text in cases(claim.statement(mutation))}
+        for mutation in (CLAIMED, MUTATED)
+    )
 
-    def said(mutation):
-        every = cases.cases(claim.statement(mutation))
-        return {second_solvers.answer("yices", text) for text in every}
-
-    assert said(CLAIMED) == {"unsat"}
-    assert "sat" in said(MUTATED)
-
-
-@SOLVERS
-def test_a_symbol_may_have_the_name_of_a_command(solver):
-    _ = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
-    point = load().by_id()["guard.monitor"].satisfied_at
-
-    assert "push" in point
-    assert second_solvers.answer(solver, asked("guard.monitor", point)["hypotheses"].text) == "sat"
+    assert claimed == {"unsat"}
+    assert "sat" in mutated
 
 
 def test_missing_packages_are_said_and_never_proved(monkeypatch, capsys):
@@ -291,25 +266,20 @@ def proved_again():
 def test_everything_is_as_committed(monkeypatch):
     ids = proved_again()
     patterns = [f"{key[:-1]}[{key[-1]}]" for key in ids]  # each selects one alone
-    ledger = proved_here(patterns, monkeypatch)
+    search = entries.functions_of
+    monkeypatch.setattr(
+        entries, "functions_of", lambda claim, first=(): tuple(first) or search(claim)
+    )  # functions that the ledger names, where it names some
+    gc.disable()  # in another thread it would free a solver's terms while the solver works on them
+    try:
+        ledger = prove(patterns, processes=1)
+    finally:
+        gc.enable()
 
     assert [entry.id for entry in ledger.entries] == ids
     assert [(d.id, d.now) for d in differences(ledger, load(), complete=False)] == []
     assert stale({entry.id: entry.graph_hash for entry in ledger.entries}, load()) == []
     assert exit_code(ledger, load(), complete=False) == 0
-
-
-def proved_here(patterns, monkeypatch):
-    """Proved in this process, of functions that are named in the ledger where it names some."""
-    search = entries.functions_of
-    monkeypatch.setattr(
-        entries, "functions_of", lambda claim, first=(): tuple(first) or search(claim)
-    )
-    gc.disable()  # in another thread it would free a solver's terms while the solver works on them
-    try:
-        return prove(patterns, processes=1)
-    finally:
-        gc.enable()
 
 
 def test_functions_that_the_ledger_names_are_where_it_says():

@@ -20,6 +20,7 @@ def test_least_commands_act_and_are_as_safe_as_others():
     assert_proved("filter.least")
 
 
+@pytest.mark.slow
 def test_clip_of_first_order_bases_keeps_the_limit_from_sample_to_sample():
     """The whole clip: every limited speed, and each way to scale."""
     assert_proved("filter.clip")

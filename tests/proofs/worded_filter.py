@@ -39,6 +39,17 @@ CLIP = {key: value for key, value in BASE.items() if key != "filter.odometry"} |
 LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
           "filter.frequency": (4.0, 5.0), "clock.control": PERIOD}  # fmt: skip
 SCALES = ("curvature", "axes", "turn", "drive")
+WHEELS, BESIDE = {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0}
+
+
+def shapes_of(more):
+    """Settings with each way of scaling; wheels are not scaled axis by axis."""
+    return [{**more, "filter.scale": way} for way in SCALES if not more or way != "axes"]
+
+
+def joined(found):
+    """Goals of several shapes, each under its own name."""
+    return {f"{name} {k}": item for k, own in enumerate(found) for name, item in own.items()}
 
 
 class Numbers:
@@ -199,65 +210,60 @@ def governed(rng):
     return _governed(rng, {})
 
 
-def _over(rng, shapes):
-    found = [_governed(rng, more) for more in shapes]
-    return {f"{name} {k}": item for k, own in enumerate(found) for name, item in own.items()}
-
-
 @about("filter.sent.axes")
 def governed_axes(rng):
-    return _over(rng, [{"filter.scale": scale} for scale in SCALES[1:]])
+    return joined(_governed(rng, more) for more in shapes_of({}))
 
 
 @about("filter.sent.wheels", "filter.rims.wheels")
 def governed_wheels(rng):
-    scales = ("curvature", "turn", "drive")
-    return _over(rng, [{"filter.channels": "wheels", "filter.scale": scale} for scale in scales])
+    return joined(_governed(rng, more) for more in shapes_of(WHEELS))
 
 
 @about("filter.sent.beside", "filter.rims.beside")
 def governed_beside(rng):
-    scales = ("curvature", "turn", "drive")
-    return _over(rng, [{"filter.wheel_speed": 1.0, "filter.scale": scale} for scale in scales])
+    return joined(_governed(rng, more) for more in shapes_of(BESIDE))
 
 
 @about("filter.assembled.jitter", "filter.assembled.losses", "filter.assembled.hold")
 def governed_late(rng):
     times = {"filter.jitter": PERIOD / 2, "filter.losses": 2, "filter.hold": 5 * PERIOD}
-    return _over(rng, [{key: value} for key, value in times.items()])
+    return joined(_governed(rng, {key: value}) for key, value in times.items())
 
 
-def _clipped(rng, clip, sent, n):
+def clip_of(rng, settings):
+    """A clip, and positive numbers for all that it reads."""
+    clip = Clip(load_scenario("paper-simulation", settings))
+    n = Numbers(rng, clip.system)
+    n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
+    return clip, n
+
+
+def _clipped(rng, settings):
     """Each limited speed of what a clip sends, against the numbers of its limit."""
+    clip, n = clip_of(rng, {**settings, **axes_of(settings)})
+    if "filter.gain" in n.of:
+        stated(rng, n)
+    else:
+        n.of["filter.delta"] = [V * share(rng) * SPARE for V in n.of["limits.v_u1"]]
+    n.of["v_asked"] = [around(rng, 3.0) for _ in range(2)]
     both = [
         x
         for channel in clip.channels
-        for x in (channel.of(sent), channel.bounds.K_max, channel.bounds.dbar, channel.bounds.V)
+        for x in (
+            channel.of(clip.sent),
+            channel.bounds.K_max,
+            channel.bounds.dbar,
+            channel.bounds.V,
+        )
     ]
-    rows = n.results(ca.vertcat(*both, sent))
+    rows = n.results(ca.vertcat(*both, clip.sent))
     size = np.abs(rows[-2]) + np.abs(rows[-1] * n.of.get("robot.l", [1.0])[0])
     found = {}
     for i in range(len(clip.channels)):
         w, K, dbar, V = rows[4 * i : 4 * i + 4]
         reached = K * np.abs(w) + dbar
         found[str(i)] = np.where((dbar < V) & (dbar >= 0), left(V, reached, K * size), 0)
-    return found
-
-
-def _clips(rng, settings, scales):
-    found = {}
-    for scale in scales:
-        own = {**settings, **axes_of(settings), "filter.scale": scale}
-        clip = Clip(load_scenario("paper-simulation", own))
-        n = Numbers(rng, clip.system)
-        n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
-        if "filter.gain" in n.of:
-            stated(rng, n)
-        else:
-            n.of["filter.delta"] = [V * share(rng) * SPARE for V in n.of["limits.v_u1"]]
-        n.of["v_asked"] = [around(rng, 3.0) for _ in range(2)]
-        told = _clipped(rng, clip, clip.sent, n)
-        found |= {f"{name} {scale}": item for name, item in told.items()}
     return found
 
 
@@ -286,16 +292,8 @@ def least_commands(rng):
 
 @about("filter.sent-clip.axes", "filter.sent-clip.wheels", "filter.sent-clip.beside")
 def clips(rng):
-    found = {}
-    shapes = ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
-    for k, more in enumerate(shapes):
-        for loop in (CLIP, LINEAR):
-            own = _clips(
-                rng, {**loop, **more}, SCALES if not more else ("curvature", "turn", "drive")
-            )
-            name = loop.get("filter.loop", "first")
-            found |= {f"{key} {k} {name}": item for key, item in own.items()}
-    return found
+    shapes = [*shapes_of({}), *shapes_of(WHEELS), *shapes_of(BESIDE)]
+    return joined(_clipped(rng, {**loop, **more}) for loop in (CLIP, LINEAR) for more in shapes)
 
 
 @about("filter.slew-sent.together")
@@ -303,9 +301,7 @@ def slow(rng):
     found = {}
     for scale in SCALES:
         settings = {**LINEAR, **APART, "filter.slew": (0.1, 0.1), "filter.scale": scale}
-        clip = Clip(load_scenario("paper-simulation", settings))
-        n = Numbers(rng, clip.system)
-        n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
+        clip, n = clip_of(rng, settings)
         T = positive(rng)
         n.ends("filter.gain")
         n.of["clock.control"] = [T]
@@ -333,7 +329,7 @@ def bands(rng):
           "filter.mass": (50.0, 65.0), "filter.inertia": (4.0, 6.0), "filter.kp": (135.0, 165.0),
           "filter.ki": (270.0, 330.0)}  # fmt: skip
     found = {}
-    for k, more in enumerate((*({**loop, "filter.scale": scale} for scale in SCALES), pi)):
+    for k, more in enumerate((*({**loop, **shape} for shape in shapes_of({})), pi)):
         graph = BandGovernor(load_scenario("paper-simulation", more))
         n = Numbers(rng, graph.system)
         ends = [x for pair in graph.ends for x in pair]
@@ -442,51 +438,43 @@ def _ramped(now, goal, up, down):
 @about("gate.inside", "gate.stop", "gate.stale", "gate.latched", "gate.rise", "gate.inside.axes",
        "gate.inside.wheels", "gate.inside.beside")  # fmt: skip
 def gates(rng):
-    found, settings = {}, gate.GateSettings()
-    limits = ({}, {"filter.channels": "wheels"}, {"filter.wheel_speed": 1.0})
-    shapes = [(more, scale) for more in limits
-              for scale in SCALES if scale != "axes" or not more]  # fmt: skip
-    for k, (more, scale) in enumerate(shapes):
-        own = {**CLIP, **axes_of(more), **more, "filter.scale": scale}
-        scenario = load_scenario("paper-simulation", own)
-        system = gate.gate_system(scenario, settings)
-        n = Numbers(rng, system)
-        V, push, gain = stated(rng, n)
-        l = n.of["robot.l"] = [positive(rng)]
-        n.of["filter.wheel_speed"] = [positive(rng)]
-        n.of["v_last"] = [around(rng, 1.0) for _ in range(2)]
-        u1, u2, _, latched, *_ = (*n.results(system.y[:2]), None, n.results(system.update[-3])[0])
-        u, last, T = (u1, u2), n.of["v_last"], scenario.clock.control
-        elapsed = n.of["elapsed"][0]
-        t = np.where(elapsed == 0, T, np.clip(elapsed, 0, T))
-        top, total = n.of["filter.wheel_speed"][0] * SPARE, push[0] + l[0] * push[1]
-        if "filter.channels" in more:
-            top = np.minimum(V[0], l[0] * V[1])
-        if "filter.channels" not in more:
-            for i in (0, 1):
-                found[f"inside {i} {k}"] = left((V[i] - push[i]) / gain[i][1], np.abs(u[i]))
-        if more:
-            most = (top - total) / gain[0][1]
-            for way in (1, -1):
-                w = np.abs(u1 + way * l[0] * u2)
-                found[f"rim {way} {k}"] = np.where(most > 0, left(most, w, u1, l[0] * u2), 0)
-            met = most > 0
-            found = {
-                name: np.where(met, item, 0) if name.endswith(f" {k}") else item
-                for name, item in found.items()
-            }
-        if more or scale != "curvature":
-            continue
-        stops = n.of["stop"][0] > 0
-        stale = n.of["command_age"][0] > settings.command_timeout
-        stays = (n.of["latched"][0] > 0) & (n.of["reset"][0] <= 0)
+    shapes = [*shapes_of({}), *shapes_of(WHEELS), *shapes_of(BESIDE)]
+    return joined(_gated(rng, more) for more in shapes)
+
+
+def _gated(rng, more):
+    """A gate's whole step: limits of axes or wheels; ramps and latches where axes have limits."""
+    settings = gate.GateSettings()
+    scenario = load_scenario("paper-simulation", {**CLIP, **axes_of(more), **more})
+    system = gate.gate_system(scenario, settings)
+    n = Numbers(rng, system)
+    V, push, gain = stated(rng, n)
+    l = n.of["robot.l"] = [positive(rng)]
+    n.of["filter.wheel_speed"] = [positive(rng)]
+    last = n.of["v_last"] = [around(rng, 1.0) for _ in range(2)]
+    u, (latched, *_) = n.results(system.y[:2]), n.results(system.update[-3])
+    wheels, beside, found = "filter.channels" in more, "filter.wheel_speed" in more, {}
+    if not wheels:
         for i in (0, 1):
-            found[f"stop {i}"] = np.where(stops, -np.abs(u[i]), 0)
-            falls = np.maximum(np.abs(last[i]) - settings.fall[i] * t, 0)
-            found[f"falls {i}"] = np.where(stale | stays, left(falls, np.abs(u[i]), last[i]), 0)
-            found[f"rises {i}"] = left(np.abs(last[i]) + settings.rise[i] * t, np.abs(u[i]))
-        found["latched"] = np.where(stays, -np.abs(latched - 1), 0)
-    return found
+            found[f"inside {i}"] = left((V[i] - push[i]) / gain[i][1], np.abs(u[i]))
+    if wheels or beside:
+        top = np.minimum(V[0], l[0] * V[1]) if wheels else n.of["filter.wheel_speed"][0] * SPARE
+        most = (top - push[0] - l[0] * push[1]) / gain[0][1]
+        for way in (1, -1):
+            rim = np.abs(u[0] + way * l[0] * u[1])
+            found[f"rim {way}"] = left(most, rim, u[0], l[0] * u[1])
+        return {name: np.where(most > 0, item, 0) for name, item in found.items()}
+    elapsed, T = n.of["elapsed"][0], scenario.clock.control
+    t = np.where(elapsed == 0, T, np.clip(elapsed, 0, T))
+    stops = n.of["stop"][0] > 0
+    stale = n.of["command_age"][0] > settings.command_timeout
+    stays = (n.of["latched"][0] > 0) & (n.of["reset"][0] <= 0)
+    for i in (0, 1):
+        found[f"stop {i}"] = np.where(stops, -np.abs(u[i]), 0)
+        falls = np.maximum(np.abs(last[i]) - settings.fall[i] * t, 0)
+        found[f"falls {i}"] = np.where(stale | stays, left(falls, np.abs(u[i]), last[i]), 0)
+        found[f"rises {i}"] = left(np.abs(last[i]) + settings.rise[i] * t, np.abs(u[i]))
+    return found | {"latched": np.where(stays, -np.abs(latched - 1), 0)}
 
 
 def _sent_as_it_is(kinds, scale, v, omega, l, A, B, C):
@@ -504,15 +492,14 @@ def _sent_as_it_is(kinds, scale, v, omega, l, A, B, C):
 def unclipped(rng):
     found = {}
     for kinds in ("axes", "wheels", "axes wheels"):
-        for scale in SCALES if kinds == "axes" else ("curvature", "turn", "drive"):
+        for shape in shapes_of({} if kinds == "axes" else WHEELS):
             l, A, B, C = (positive(rng) for _ in range(4))
             v, omega = _pair(rng, A, C, l)
             if kinds == "axes":
                 v, omega = A * rng.uniform(-1, 1, SAMPLES), B * rng.uniform(-1, 1, SAMPLES)
             B = np.maximum(B, np.abs(omega))
-
-            passes = partial(_sent_as_it_is, kinds, scale)
-            sent = calculated(passes, v, omega, l, A, B, C)
+            scale = shape["filter.scale"]
+            sent = calculated(partial(_sent_as_it_is, kinds, scale), v, omega, l, A, B, C)
             found[f"v {kinds} {scale}"] = same(sent[0], v, C)
             found[f"omega {kinds} {scale}"] = same(l * sent[1], l * omega, C)
     return found

@@ -1,35 +1,38 @@
-"""Finds certificates for `wmr_proofs.check`: ``python -m tests.proofs.find ID``; by z3 and flint.
+"""Find certificates for `wmr_proofs.check` by z3 and flint: ``python -m wmr_proofs.find ID``.
 
 Nothing here is trusted.  A model of z3 says which choice is violated: that one is split.  Where z3
 says that the facts of a case contradict each other, a few of them that do so are looked for, and
 products of these that add up to 0, by exact linear programming.  What a case does not need of its
-condition closes the other cases as well.
+condition closes the other cases as well.  ``python -m tests.proofs.record ID`` then enters what was
+found in the ledger.
 """
+
+from __future__ import annotations
 
 import argparse
 import json
 import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from math import prod
 from time import process_time
+from typing import Any, TypeAlias
 
 import z3
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
-from tests.proofs.kept_certificates import forget_others, save, words_hash
-from tests.proofs.record import merged, record
-from wmr_ctrl.results.ledger import REFUTED, Ledger, load
-from wmr_proofs.certificates import (
-    FOLDER,
-    obligations_of,
-    with_certificate,
-)
-from wmr_proofs.check import (
+from wmr_ctrl.results.ledger import REFUTED, Entry, load
+
+from .certificates import FOLDER, obligations_of, save, words_hash
+from .check import (
     WORK,
     Case,
     Choice,
     Fact,
+    Formula,
     Join,
+    Monomial,
+    Polynomial,
     Problem,
     Quotient,
     Refused,
@@ -45,9 +48,16 @@ from wmr_proofs.check import (
     unpacked,
     var,
 )
-from wmr_proofs.claims import all_claims
-from wmr_proofs.methods.obligations import uses_z3
-from wmr_proofs.runner import selected
+from .claim import Claim
+from .claims import all_claims
+from .methods.obligations import Obligation, uses_z3
+from .runner import selected
+
+Facts: TypeAlias = Mapping[str, Fact]
+Node: TypeAlias = list[Any]
+"""Of a tree, as `check` has it."""
+Used: TypeAlias = tuple[Any, ...]
+"""Names of the facts in a product, or of an equation and the monomial of its multiple."""
 
 ROOT = "~"
 """Begins the name of a square in a search."""
@@ -65,7 +75,7 @@ class NotFound(Exception):  # noqa: N818
     """No certificate is found in this way, or in time."""
 
 
-def proof(text, seconds=SECONDS):
+def proof(text: str, seconds: float = SECONDS) -> Node:
     """A tree that refutes an obligation; NotFound where none is found in time."""
     WORK.left = 10**15
     problem = Problem(text)
@@ -73,7 +83,7 @@ def proof(text, seconds=SECONDS):
     return Search(end).tree(Case(problem, problem.facts, {}, {}))
 
 
-def point(text, known):
+def point(text: str, known: Mapping[str, str]) -> dict[str, str]:
     """Rational numbers for all symbols at which an obligation holds, if possible with these."""
     symbols, asserted = Problem(text).symbols, z3.parse_smt2_string(text)
     given = [_real(name) == z3.RealVal(value) for name, value in known.items()
@@ -91,18 +101,18 @@ def point(text, known):
     raise NotFound("no point of rational numbers")
 
 
-def _real(name):
+def _real(name: str) -> Any:
     return z3.Real(name.strip("|"))
 
 
 class Search:
     """A search that ends in time."""
 
-    def __init__(self, end):
+    def __init__(self, end: float) -> None:
         self.end = end
-        self.good = []
+        self.good: list[tuple[frozenset[Any], int]] = []
 
-    def tree(self, case, depth=0):
+    def tree(self, case: Case, depth: int = 0) -> Node:
         """A tree that refutes a case."""
         if depth > DEPTH:
             raise NotFound("too many cases within cases")
@@ -118,7 +128,7 @@ class Search:
                 node = ["den", number, sign, total, node]
         return node
 
-    def _node(self, case, facts, depth):
+    def _node(self, case: Case, facts: Facts, depth: int) -> Node:
         found = self._sum(facts, 1)
         for used, degree in self.good if found is None else ():
             if found is None and used <= set(facts):
@@ -132,7 +142,7 @@ class Search:
                 return found
         return self._split(case, facts, model, depth)
 
-    def _closed(self, facts, degrees=range(2, 4)):
+    def _closed(self, facts: Facts, degrees: Iterable[int] = range(2, 4)) -> Node | None:
         """A sum of facts that z3 finds to contradict each other."""
         few = self._core(facts)
         unknowns = set[str]().union(*(names(fact.poly) for fact in few.values()))
@@ -151,7 +161,7 @@ class Search:
                     return found
         return None
 
-    def _core(self, facts):
+    def _core(self, facts: Facts) -> dict[str, Fact]:
         """Few facts that contradict each other."""
         kept, size = list(facts), max(1, len(facts) // 2)
         while size:
@@ -165,7 +175,7 @@ class Search:
             size //= 2
         return {name: facts[name] for name in kept}
 
-    def _signs(self, case, facts):
+    def _signs(self, case: Case, facts: Facts) -> Iterator[tuple[int, int, Node]]:
         """Quotients whose denominators have a sign, each with a sum that shows it."""
         seen = set(case.signs)
         for number, atom in enumerate(case.problem.atoms):
@@ -181,7 +191,7 @@ class Search:
                     yield number, sign, total
                     break
 
-    def _contradicted(self, facts):
+    def _contradicted(self, facts: Facts) -> Node | None:
         unknowns = names(facts["*"].poly)
         near = {name: fact for name, fact in facts.items() if names(fact.poly) <= unknowns}
         for degree in (1, 2):
@@ -191,15 +201,15 @@ class Search:
         answer, _ = self._asked(facts.values(), SOON)
         return self._closed(facts) if answer == z3.unsat else None
 
-    def _split(self, case, facts, model, depth):
+    def _split(self, case: Case, facts: Facts, model: Any, depth: int) -> Node:
         """The cases of a choice, or of a disjunction, which a model violates if there is one."""
         atoms = case.problem.atoms
         read = {name for fact in facts.values() for name in names(fact.poly)}
 
-        def holds(formula):
+        def holds(formula: Formula) -> bool:
             return z3.is_true(model.eval(_formula(_plain(case, formula)), model_completion=True))
 
-        def is_violated(number, choice):
+        def is_violated(number: int, choice: Choice) -> bool:
             value = choice.yes if holds(choice.condition) else choice.no
             return not holds(Fact(add(var(f"?{number}"), value, -1), "="))
 
@@ -225,7 +235,7 @@ class Search:
             ["ite", number], case, [case.taking(number, yes) for yes in (True, False)], depth
         )
 
-    def _by_sign(self, case, facts, depth):
+    def _by_sign(self, case: Case, facts: Facts, depth: int) -> Node:
         """The cases of a sign, of a factor of facts that contradict each other or of an unknown.
 
         Where all have one, a sum of products of more facts.
@@ -245,7 +255,7 @@ class Search:
         cases = [case.having(name, cut), case.having(name, negated(cut))]
         return self._cases(["cut", name, _told(cut.poly)], case, cases, depth)
 
-    def _of_either_sign(self, polys, facts):
+    def _of_either_sign(self, polys: Iterable[Polynomial], facts: Facts) -> Polynomial | None:
         """The first of these whose sign no sum of facts shows; None if there is none."""
         for p in polys:
             sides = (Fact(add({}, p, sign), ">") for sign in (1, -1))
@@ -253,7 +263,7 @@ class Search:
                 return p
         return None
 
-    def _cases(self, head, case, cases, depth):
+    def _cases(self, head: Node, case: Case, cases: Iterable[Case], depth: int) -> Node:
         for part in cases:
             node = self.tree(part, depth + 1)
             if _refutes(case, node):
@@ -261,7 +271,7 @@ class Search:
             head.append(node)
         return head
 
-    def _asked(self, facts, work):
+    def _asked(self, facts: Iterable[Fact], work: int) -> tuple[Any, Any]:
         """z3's answer and model."""
         if process_time() > self.end:
             raise NotFound("out of time")
@@ -274,7 +284,7 @@ class Search:
                 return answer, solver.model() if answer == z3.sat else None
         return z3.unknown, None
 
-    def _sum(self, facts, degree):
+    def _sum(self, facts: Facts, degree: int) -> Node | None:
         """A sum of products of at most ``degree`` facts and of multiples of equations."""
         if process_time() > self.end:
             raise NotFound("out of time")
@@ -292,11 +302,11 @@ class Search:
                     return found
         return None
 
-    def _program(self, polys, above):
+    def _program(self, polys: Mapping[Used, Polynomial], above: Mapping[Used, bool]) -> Node | None:
         """A sum of shares of these, by exact linear programming; those in ``above`` >= 0."""
         if process_time() > self.end:
             raise NotFound("out of time")
-        rows = {}
+        rows = dict[Any, list[Any]]()
         solver = z3.SolverFor("QF_LRA")
         solver.set("rlimit", LATER)
         shares = {known: z3.Real(f"x{k}") for k, known in enumerate(polys)}
@@ -310,19 +320,19 @@ class Search:
             return None
         model = solver.model()
         value = {known: model.eval(share, True).as_fraction() for known, share in shares.items()}
-        equations = {}
+        equations = dict[Any, Polynomial]()
         for known in (known for known in polys if known not in above):
             equations.setdefault(known[0], {})[known[1]] = value[known]
         told = [[name, _told(p)] for name, p in equations.items() if any(p.values())]
         return ["sum", [_item(value[used], used) for used in above if value[used]], told]
 
 
-def _facts(case):
+def _facts(case: Case) -> dict[str, Fact]:
     return {name: case.fact(name) for name, formula in case.facts.items()
             if isinstance(formula, Fact)}  # fmt: skip
 
 
-def _refutes(case, node):
+def _refutes(case: Case, node: Node) -> bool:
     try:
         case.refuted(node)
     except Refused:
@@ -330,13 +340,13 @@ def _refutes(case, node):
     return True
 
 
-def _plain(case, formula):
+def _plain(case: Case, formula: Formula) -> Formula:
     if isinstance(formula, Fact):
         return Fact(case.plain(formula.poly), formula.kind)
     return Join(formula.word, tuple(_plain(case, part) for part in formula.parts))
 
 
-def _waits(case, condition):
+def _waits(case: Case, condition: Formula) -> bool:
     """True if a condition reads choices that are open."""
     if isinstance(condition, Join):
         return any(_waits(case, part) for part in condition.parts)
@@ -344,7 +354,7 @@ def _waits(case, condition):
     return any(isinstance(case.problem.atoms[number], Choice) for number in left)
 
 
-def _formula(formula):
+def _formula(formula: Formula) -> Any:
     """A formula for z3."""
     if isinstance(formula, Join):
         parts = [_formula(part) for part in formula.parts]
@@ -358,7 +368,7 @@ def _formula(formula):
     return {"=": value == 0, ">": value > 0, ">=": value >= 0}[formula.kind]
 
 
-def _squares(facts):
+def _squares(facts: Facts) -> dict[str, Fact]:
     """Squares that are perhaps completed in a fact; their roots are their names."""
     roots = []
     for p, _ in facts.values():
@@ -369,7 +379,7 @@ def _squares(facts):
     return {name: Fact(mul(root, root), ">=") for name, root in zip(told, roots, strict=True)}
 
 
-def _derivative(p, name):
+def _derivative(p: Polynomial, name: str) -> Polynomial:
     total = {}
     for m, c in p.items():
         rest = _rest(m, ((name, 1),))
@@ -378,7 +388,7 @@ def _derivative(p, name):
     return total
 
 
-def _factors(p):
+def _factors(p: Polynomial) -> list[Polynomial]:
     """Factors of a polynomial that has several, with coefficients of their own."""
     unknowns = sorted(names(p))
     ring = fmpq_mpoly_ctx.get(unknowns or ["x"], Ordering.lex)
@@ -393,17 +403,17 @@ def _factors(p):
     ]  # fmt: skip
 
 
-def _item(share, used):
+def _item(share: object, used: Used) -> Node:
     """A product as a certificate has it."""
     roots = [json.loads(name[1:]) for name in used if name.startswith(ROOT)]
     facts = [name for name in used if not name.startswith(ROOT)]
     return [str(share), facts, roots] if roots else [str(share), facts]
 
 
-def _products(facts, degree):
+def _products(facts: Facts, degree: int) -> dict[Used, tuple[Polynomial, bool]]:
     """Products of inequalities, and whether they are above 0."""
     above = {name: fact for name, fact in facts.items() if fact.kind != "="}
-    level = {(): (const(1), True)}
+    level: dict[Used, tuple[Polynomial, bool]] = {(): (const(1), True)}
     found = dict(level)
     for _ in range(degree):
         if len(found) > EVERY:
@@ -418,7 +428,9 @@ def _products(facts, degree):
     return found
 
 
-def _multiples(facts, products, degree):
+def _multiples(
+    facts: Facts, products: Mapping[Used, tuple[Polynomial, bool]], degree: int
+) -> dict[Used, Polynomial]:
     """Multiples of equations that have a monomial in common with products."""
     equations = {name: fact.poly for name, fact in facts.items() if fact.kind == "="}
     found = {}
@@ -432,7 +444,7 @@ def _multiples(facts, products, degree):
     return found
 
 
-def _rest(whole, part):
+def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
     """The quotient of two monomials if it is one."""
     powers = dict(whole)
     for name, power in part:
@@ -442,7 +454,9 @@ def _rest(whole, part):
     return tuple((name, power) for name, power in sorted(powers.items()) if power)
 
 
-def _able_to_cancel(products, multiples):
+def _able_to_cancel(
+    products: dict[Used, tuple[Polynomial, bool]], multiples: Mapping[Used, Polynomial]
+) -> dict[Used, tuple[Polynomial, bool]]:
     """Products without those of which a monomial occurs with one sign alone."""
     free = {monomial for p in multiples.values() for monomial in p}
     while True:
@@ -454,12 +468,12 @@ def _able_to_cancel(products, multiples):
         products = kept
 
 
-def _linked(polys):
+def _linked(polys: Mapping[Used, Polynomial]) -> Iterator[list[Used]]:
     """Polynomials that share monomials, or are linked by such: sums of others are 0 by parts."""
-    groups = {}
+    groups = dict[Any, list[Used]]()
     for known, p in polys.items():
         touched = {id(groups[m]): groups[m] for m in p if m in groups}
-        group = max(touched.values(), key=len, default=[])
+        group = max(touched.values(), key=len, default=list[Used]())
         group.append(known)
         for other in touched.values():
             if other is not group:
@@ -470,20 +484,20 @@ def _linked(polys):
     yield from {id(group): group for group in groups.values()}.values()
 
 
-def _told(p):
+def _told(p: Polynomial) -> Node:
     """A polynomial as a certificate has it."""
     return [[str(c), *(x for pair in m for x in pair)] for m, c in sorted(p.items()) if c]
 
 
 @cache
-def committed():
+def committed() -> dict[str, Any]:
     """Every certificate by its obligation, without the lines that name it."""
     files = FOLDER.glob("*.json.xz")
     pairs = (pair for path in files for pair in unpacked(path).values())
     return {text.split("\n", 2)[2]: certificate for text, certificate in pairs}
 
 
-def find(claim, entry, seconds):
+def find(claim: Claim, entry: Entry, seconds: float) -> dict[str, Any]:
     """Certify what can be certified of an entry, save it, and return its row of the index.
 
     What is committed and shows an obligation of today is kept, whatever its name was.
@@ -497,13 +511,19 @@ def find(claim, entry, seconds):
             found[item.name] = [text, certificate]
         shown = digest(certificate) if certificate is not None else ""
         rows.append([item.name, item.wanted, digest(text), shown])
-    row = {"id": claim.id, "verdict": entry.verdict, "claim": words_hash(claim)}
-    row |= {"obligations": rows}
+    row = {
+        "id": claim.id,
+        "verdict": entry.verdict,
+        "claim": words_hash(claim),
+        "obligations": rows,
+    }
     save(row, found)
     return row
 
 
-def _certificate(text, item, known, entry, seconds):
+def _certificate(
+    text: str, item: Obligation, known: Any, entry: Entry, seconds: float
+) -> dict[str, Any] | None:
     """The certificate that is known, if it is one, or another; None if none is found."""
     try:
         if check(text, known) == item.wanted:
@@ -512,33 +532,26 @@ def _certificate(text, item, known, entry, seconds):
         pass
     at = entry.counterexample if entry.verdict == REFUTED else entry.satisfied_at
     try:
-        if item.wanted == "unsat":
-            found = {"proof": proof(text, seconds)}
-        else:
-            found = {"point": point(text, at or {})}
+        unsat = item.wanted == "unsat"
+        found = {"proof": proof(text, seconds)} if unsat else {"point": point(text, at or {})}
         return found if check(text, found) == item.wanted else None
     except (NotFound, Refused) as error:
         sys.stderr.write(f"{entry.id}, {item.name}: {error}\n")
         return None
 
 
-def main(arguments=None):
-    """Find certificates of the entries that are named, and enter them in the ledger."""
-    parser = argparse.ArgumentParser(prog="python -m tests.proofs.find", description=__doc__)
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Find certificates of the entries that are named, and keep them."""
+    parser = argparse.ArgumentParser(prog="python -m wmr_proofs.find", description=__doc__)
     parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of the processor, for each")
     given = parser.parse_args(arguments)
     wanted, entries = set(selected(given.ids)), load().by_id()
-    claims = {claim.id: claim for claim in all_claims() if claim.id in wanted & set(entries)}
-    fresh = []
-    for claim in claims.values():
-        if uses_z3(claim.method):
-            row = find(claim, entries[claim.id], given.seconds)
-            shown = sum(1 for item in row["obligations"] if item[3])
-            sys.stdout.write(f"{claim.id}: {shown} of {len(row['obligations'])}\n")
-            fresh.append(with_certificate(claim, entries[claim.id]))
-    forget_others({claim.id for claim in all_claims()})
-    record(merged(Ledger(tuple(fresh)), load()))
+    for claim in all_claims():
+        if claim.id in wanted & set(entries) and uses_z3(claim.method):
+            rows = find(claim, entries[claim.id], given.seconds)["obligations"]
+            shown = sum(1 for item in rows if item[3])
+            sys.stdout.write(f"{claim.id}: {shown} of {len(rows)}\n")
 
 
 if __name__ == "__main__":
