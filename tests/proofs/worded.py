@@ -28,6 +28,21 @@ def share(rng):
     return np.where(at == 0, 0.0, np.where(at == 1, 1.0, value))
 
 
+def signed(rng):
+    """Numbers from -1 to 1."""
+    return rng.uniform(-1, 1, SAMPLES)
+
+
+def ways(rng):
+    """Forwards or backwards, 1 or -1."""
+    return rng.choice([-1.0, 1.0], SAMPLES)
+
+
+def several(rng, count):
+    """So many columns of positive numbers."""
+    return [positive(rng) for _ in range(count)]
+
+
 def positive(rng):
     """Numbers above 0 of some orders of magnitude."""
     return np.exp(rng.normal(0.0, 1.2, SAMPLES))
@@ -42,7 +57,7 @@ def between(rng, low, high):
 def around(rng, size):
     """Numbers of either sign, mostly up to ``size``, some far above."""
     far = np.where(rng.integers(0, 8, SAMPLES) == 0, 30.0, 1.3)
-    return rng.choice([-1.0, 1.0], SAMPLES) * share(rng) * size * far
+    return ways(rng) * share(rng) * size * far
 
 
 def evaluated(symbols, outputs, numbers):

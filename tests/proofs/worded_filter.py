@@ -15,7 +15,10 @@ from tests.proofs.worded import (
     left,
     positive,
     same,
+    several,
     share,
+    signed,
+    ways,
 )
 from wmr_ctrl.control.filter import gate, governor, held_loop
 from wmr_ctrl.control.filter.asked import for_base
@@ -86,7 +89,7 @@ class Numbers:
 
 def stated(rng, n):
     """V of v and omega, pushes below them, and the gains of each; set in the numbers."""
-    speed = [positive(rng) for _ in range(2)]
+    speed = several(rng, 2)
     push = [0.999 * share(rng) * SPARE * V for V in speed]
     return [V * SPARE for V in speed], push, n.bases(push, speed)
 
@@ -94,7 +97,7 @@ def stated(rng, n):
 @about("filter.drive", "filter.inside", "filter.clip", "filter.contains-clip", "filter.necessary",
        "filter.estimate")  # fmt: skip
 def one_axis(rng):
-    V, low = positive(rng), positive(rng)
+    V, low = several(rng, 2)
     high = low * (1 + share(rng))
     dbar = 0.999 * V * share(rng)
     u, v_bar = around(rng, 2 * V / low), V - around(rng, V) ** 2 / V
@@ -107,7 +110,7 @@ def one_axis(rng):
 
     kappa = e / (1 - e)
     ahead, back, hi, clip = calculated(formula, u, v_bar, V, dbar, low, high, kappa)
-    K, d = between(rng, low, high), dbar * rng.uniform(-1, 1, SAMPLES)
+    K, d = between(rng, low, high), dbar * signed(rng)
     size = (np.abs(high * u), V)
     found = {
         "drive": left(ahead, K * u + d, *size), "back": left(back, d - K * u, *size),
@@ -158,7 +161,7 @@ def _governed(rng, more):
     if wheels:
         push = [0.99 * W * part / 2 / scale for part, scale in ((share(rng), 1), (share(rng), l))]
         n.of["filter.d"] = push
-    speeds = [x * rng.uniform(-1, 1, SAMPLES) for x in V]
+    speeds = [x * signed(rng) for x in V]
     if W is not None:
         size = np.abs(speeds[0]) + l * np.abs(speeds[1])
         speeds = [x * np.minimum(1, W / size) for x in speeds]
@@ -176,9 +179,7 @@ def _governed(rng, more):
     if "in_time" in n.of:
         n.of["in_time"] = [np.where(late, 0.0, float(graph.oldest))]
     n.of["odometry_age"] = [np.where(share(rng) < 0.5, 0.0, -1.0)]
-    n.of["v_odometry"] = [
-        v + e * rng.uniform(-1, 1, SAMPLES) for v, e in zip(speeds, error, strict=True)
-    ]
+    n.of["v_odometry"] = [v + e * signed(rng) for v, e in zip(speeds, error, strict=True)]
     n.of["v_asked"] = [around(rng, 3 * x / K[0]) for x, K in zip(V, gain, strict=True)]
     limits = [x for side in graph.limits for x in side]
     outputs = n.results(graph.sent, ca.vertcat(*limits), graph.system.update)
@@ -195,7 +196,7 @@ def _governed(rng, more):
             sizes = (np.abs(a * u[0]), np.abs(b * u[1]), top / low)
             found[f"positive {i} {way}"] = left(limit, 0 * limit, top)
             found[f"sent {i} {way}"] = left(limit, sent, *sizes)
-            K, d = between(rng, low, high), dbar * rng.uniform(-1, 1, SAMPLES)
+            K, d = between(rng, low, high), dbar * signed(rng)
             mean = K * limit + d
             found[f"inside {i} {way}"] = left(top, E * w + (1 - E) * mean, mean)
             if not more:
@@ -275,8 +276,8 @@ def least_commands(rng):
     clip = Clip(scenario)
     n = Numbers(rng, system := for_base(clip.system, scenario))
     stated(rng, n)
-    bands = n.of["base.deadband"] = [positive(rng) for _ in range(2)]
-    n.of["deadband_rest"] = [b * rng.uniform(-1, 1, SAMPLES) for b in bands]
+    bands = n.of["base.deadband"] = several(rng, 2)
+    n.of["deadband_rest"] = [b * signed(rng) for b in bands]
     n.of["deadband_way"] = [rng.choice([-1.0, 0.0, 1.0], SAMPLES) for _ in range(2)]
     n.of["v_asked"] = [around(rng, 1.0) for _ in range(2)]
     rows = n.results(system.y[:2], system.update[:2], ca.vertcat(*clip.limits))
@@ -310,7 +311,7 @@ def slow(rng):
         n.of["filter.delta"] = [v * share(rng) * 0.49 for v in V]
         n.of["elapsed"] = [around(rng, T)]
         (limits,) = [n.results(ca.vertcat(*clip.limits))]
-        before = n.of["v_last"] = [x * rng.uniform(-1, 1, SAMPLES) for x in limits]
+        before = n.of["v_last"] = [x * signed(rng) for x in limits]
         n.of["v_asked"] = [around(rng, 3 * x) for x in limits]
         u1, u2, time = n.results(clip.sent, clip.time)
         for name, u, was, most, a in zip("12", (u1, u2), before, limits, slew, strict=True):
@@ -358,7 +359,7 @@ def bands(rng):
 )
 def parts(rng):
     r = [around(rng, 2.0) for _ in range(2)]
-    hi, lo = ([positive(rng) for _ in range(2)] for _ in range(2))
+    hi, lo = (several(rng, 2) for _ in range(2))
 
     def factor(a, b, *ends):
         back = [-x for x in ends[2:]]
@@ -368,14 +369,14 @@ def parts(rng):
     found = {"eta": np.minimum(eta - 1e-300, 1 - eta)}
     for k in (0, 1):
         found[f"eta {k}"] = np.minimum(left(hi[k], eta * r[k]), left(eta * r[k], -lo[k]))
-    V, l, Omega = positive(rng), positive(rng), positive(rng)
+    V, l, Omega = several(rng, 3)
     top = np.minimum(V, l * Omega)
-    rims = [top * rng.uniform(-1, 1, SAMPLES) for _ in range(2)]
+    rims = [top * signed(rng) for _ in range(2)]
     v, omega = (rims[0] + rims[1]) / 2, (rims[0] - rims[1]) / 2 / l
     found["box"] = np.minimum(left(V, np.abs(v)), left(Omega, np.abs(omega)))
-    shrink, back = positive(rng), positive(rng)
+    shrink, back = several(rng, 2)
     grow, turn = l * back * share(rng), shrink / l * share(rng)
-    ends = [[V * rng.uniform(-1, 1, SAMPLES) for _ in range(2)] for _ in range(2)]
+    ends = [[V * signed(rng) for _ in range(2)] for _ in range(2)]
     now, goal = (((a + b) / 2, (a - b) / 2 / l) for a, b in ends)
     after = [
         _ramped(x, y, up, down)
@@ -399,7 +400,7 @@ def parts(rng):
     )
     beats = [left(a, x - off, b) for x in (p, w, off)] + [left(x - off, -b, a) for x in (p, w, off)]
     found["beat"] = np.minimum.reduce([*beats, left(b + a, p - w)])
-    reach, past = positive(rng), positive(rng)
+    reach, past = several(rng, 2)
     came = rng.integers(0, 2, SAMPLES).astype(float)
     x, soonest = positive(rng), share(rng)
     g = share(rng) / (1 + x + x * x / 2)
@@ -423,8 +424,8 @@ def parts(rng):
 
 def _pair(rng, V, W, l):
     """v and omega with |v| <= V and both wheels within W, the rims among them."""
-    v, turn = rng.choice([-1.0, 1.0], SAMPLES) * share(rng) * np.minimum(V, W), share(rng)
-    return v, rng.choice([-1.0, 1.0], SAMPLES) * turn * (W - np.abs(v)) / l
+    v, turn = ways(rng) * share(rng) * np.minimum(V, W), share(rng)
+    return v, ways(rng) * turn * (W - np.abs(v)) / l
 
 
 def _ramped(now, goal, up, down):
@@ -493,10 +494,10 @@ def unclipped(rng):
     found = {}
     for kinds in ("axes", "wheels", "axes wheels"):
         for shape in shapes_of({} if kinds == "axes" else WHEELS):
-            l, A, B, C = (positive(rng) for _ in range(4))
+            l, A, B, C = several(rng, 4)
             v, omega = _pair(rng, A, C, l)
             if kinds == "axes":
-                v, omega = A * rng.uniform(-1, 1, SAMPLES), B * rng.uniform(-1, 1, SAMPLES)
+                v, omega = A * signed(rng), B * signed(rng)
             B = np.maximum(B, np.abs(omega))
             scale = shape["filter.scale"]
             sent = calculated(partial(_sent_as_it_is, kinds, scale), v, omega, l, A, B, C)

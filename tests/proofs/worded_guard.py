@@ -16,7 +16,10 @@ from tests.proofs.worded import (
     left,
     positive,
     same,
+    several,
     share,
+    signed,
+    ways,
 )
 from wmr_ctrl.control.guard import delay as late_guard
 from wmr_ctrl.control.guard.guard import Bounds, ceiling, clipped, feasible, floor
@@ -133,7 +136,7 @@ def counted(rng, a):
     over = np.minimum(1, np.maximum(scale, 0) / np.maximum(mean[0] + mean[1], 1e-300))
     sums = [mean[0] * over, mean[1] * over, *rest]
     if a.jitter is not None:
-        last = largest * rng.uniform(-1, 1, SAMPLES)
+        last = largest * signed(rng)
         sums += [J * np.maximum(way * last + a.net, 0) / a.M_min for way in (1, -1)]
     return sums
 
@@ -264,7 +267,7 @@ def _late(rng, a):
 @about("guard.monitor", "guard.monitor-quiet", "guard.monitor-sharp")
 def monitor(rng):
     a = drawn(rng)
-    way = rng.choice([-1.0, 1.0], SAMPLES)
+    way = ways(rng)
     old, mass = around(rng, 3 * a.u1), between(rng, a.M_min, a.M_max)
     asked, push = around(rng, 2 * a.size), around(rng, 2 * a.size)
     exact = rng.integers(0, 2, SAMPLES) == 0
@@ -272,7 +275,7 @@ def monitor(rng):
     noise, heavy = np.where(exact, 0, a.nbar), np.where(exact, a.M_min, a.M_max)
     a.numbers |= {"nbar": noise, "M_max": heavy}
     new = old + a.period * (asked + way * (push - drag)) / mass
-    errors = [noise * rng.uniform(-1, 1, SAMPLES) for _ in range(2)]
+    errors = [noise * signed(rng) for _ in range(2)]
     y, before = new + errors[0], old + errors[1]
     (least,) = calculated(
         lambda *x: [least_push(x[-3], x[-2], x[-1], a.graph(*x))], *a.columns, y, before, asked
@@ -325,14 +328,14 @@ def forces(rng):
     end, t = around(rng, a.u1), a.period * share(rng)
     start, mass = around(rng, a.u1), between(rng, a.M_min, a.M_max)
     alike = (start - a.f_speed) * (end - a.f_speed) >= 0
-    drag, push = a.f_min * (1 + share(rng)), a.dbar * rng.uniform(-1, 1, SAMPLES)
+    drag, push = a.f_min * (1 + share(rng)), a.dbar * signed(rng)
     acts = mass * (end - start) / np.maximum(t, 1e-9 * a.period) + drag - push
     most = np.maximum(start, a.f_speed) + t * np.maximum(acts + a.net, 0) / a.M_min
     met = alike & (t > 0)
     found["piece"] = np.where(met, left(most, np.maximum(end, a.f_speed)), 0)
     c = drawn(rng, "delay")
     _, largest = c.caps()
-    first, second = (largest * rng.uniform(-1, 1, SAMPLES) for _ in range(2))
+    first, second = (largest * signed(rng) for _ in range(2))
     part, w = c.period * share(rng), share(rng)
     for way in (1, -1):
         p, q = (np.maximum(way * x + c.net, 0) for x in (first, second))
@@ -352,7 +355,7 @@ def forces(rng):
 def lagging(rng):
     b = positive(rng)
     a = b * np.maximum(share(rng), 1e-3)
-    h, J = positive(rng), positive(rng)
+    h, J = several(rng, 2)
     T = J * (1 + positive(rng))
     most = positive(rng)
     z, p = most * share(rng), most * share(rng)

@@ -3,7 +3,17 @@
 import casadi as ca
 import numpy as np
 
-from tests.proofs.worded import SAMPLES, about, around, calculated, left, positive, same, share
+from tests.proofs.worded import (
+    about,
+    around,
+    calculated,
+    left,
+    positive,
+    same,
+    several,
+    share,
+    signed,
+)
 from wmr_ctrl.control.barrier.proximal import resolvent, root
 from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
 from wmr_ctrl.control.guard.delay import in_flight
@@ -32,7 +42,7 @@ def proximal(rng):
     u1, k, E = positive(rng), positive(rng), np.clip(share(rng), 1e-4, 1 - 1e-4)
     u2 = u1 * np.clip(share(rng), 0.02, 0.98)
     c, after, along = (around(rng, 2 * u1) for _ in range(3))
-    v = u1 * rng.uniform(-1, 1, SAMPLES)
+    v = u1 * signed(rng)
     found = {}
     for smooth, key in BOTH:
 
@@ -114,7 +124,7 @@ def wrong_mass(rng):
 def off_limits(rng):
     u1 = positive(rng)
     u2 = u1 * np.clip(share(rng), 0.02, 0.98)
-    v, c = (u2 * rng.uniform(-1, 1, SAMPLES) for _ in range(2))
+    v, c = (u2 * signed(rng) for _ in range(2))
     found = {}
     for name, form in (("mb", stable_barrier), ("smooth", smooth_barrier)):
         half, q = calculated(
@@ -125,8 +135,8 @@ def off_limits(rng):
         lambda a, b, *most: ca.vertsplit(cut(ca.vertcat(a, b), ca.vertcat(*most))), v, c, u2, u2
     )
     found["kanayama"] = np.minimum(same(left_as_is[0], v), same(left_as_is[1], c))
-    r, l, tau = positive(rng), positive(rng), positive(rng)
-    right, other = (tau * rng.uniform(-1, 1, SAMPLES) for _ in range(2))
+    r, l, tau = several(rng, 3)
+    right, other = (tau * signed(rng) for _ in range(2))
     force, moment = (right + other) / r, l * (right - other) / r
     for key in ("linear-first", "rotation-first"):
         mapped = calculated(
@@ -155,14 +165,14 @@ def off_limits(rng):
 
 
 def _unguarded(rng):
-    M, alpha, T, u1, heavy = (positive(rng) for _ in range(5))
+    M, alpha, T, u1, heavy = several(rng, 5)
     nbar, f_speed = u1 * share(rng) / 2, u1 * share(rng)
     S = M * alpha
     net = S * np.minimum(u1 - nbar, u1 - f_speed) * share(rng)
     f_min = positive(rng) * share(rng)
     near, far = S * (u1 - nbar) - net, S * (u1 - f_speed) - net
-    pushed = near * rng.uniform(-1, 1, SAMPLES)
-    force = np.clip(near * rng.uniform(-1, 1, SAMPLES) - pushed, -far, far)
+    pushed = near * signed(rng)
+    force = np.clip(near * signed(rng) - pushed, -far, far)
     force = np.clip(force, -near - pushed, near - pushed)
     numbers = (
         u1,
@@ -183,7 +193,7 @@ def _unguarded(rng):
     given, safe = calculated(held, *numbers, force, pushed / S)
     size = S * u1
     N = net * (1 + share(rng))
-    one, two = (N * rng.uniform(-1, 1, SAMPLES) for _ in range(2))
+    one, two = (N * signed(rng) for _ in range(2))
     times = share(rng), share(rng)
 
     def sums(*x):

@@ -4,19 +4,14 @@ import json
 import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from PIL import Image
 
-from tests.results.conftest import build
 from wmr_ctrl.core.errors import ResultFileError
 from wmr_ctrl.report import animate
 from wmr_ctrl.report.animate import animate_runs
 from wmr_ctrl.report.scene import scene_of, with_tubes
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.world.scenario import load_scenario, override
-from wmr_ctrl.world.scenario.toml_io import to_toml
-from wmr_proofs.corridor.asked import run_corridor
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
 
@@ -75,22 +70,3 @@ def shown_of(path):
     return page, json.loads(
         re.search(r"const data = (\{.*\});", page)[1], parse_constant=pytest.fail
     )
-
-
-@pytest.mark.slow
-def test_a_certified_corridor_is_a_band(tmp_path):
-    """Past a change of the robot it is that of the whole run."""
-    brief = {"changes": [{"t": 0.5, "m": 60.0}], "clock.duration": 2.0}
-    scenario = load_scenario("safe-simulation", brief)
-    run = build(
-        labels={"law": "prox", "guard": True}, duration=1.0, y=0.004, x_d=np.linspace(0, 1, 100),
-        x=np.linspace(0, 1, 100), y_d=0.0, provenance={"scenario_toml": to_toml(scenario)},
-    )  # fmt: skip
-    most = run_corridor(override(scenario, {"guard.enabled": True}), "prox").course[0, :100:2]
-
-    assert most[40] > 1.05 * most[24], "wider after the change"
-    animate_runs([run], tmp_path / "run.html")
-    page, data = shown_of(tmp_path / "run.html")
-    above = [y for _, y in data["bands"][0][:100:2]]
-    assert above == pytest.approx(most, abs=1e-4)
-    assert "the certified corridor from a start on it, as long as it holds" in page

@@ -76,6 +76,11 @@ ALTERNATING = np.where(np.arange(800) % 2, 1.0, -1.0)
 SWINGING = np.sin(2 * np.pi * np.arange(800) / 10)
 
 
+def burst(place, size):
+    """Of 40 samples; the last 400 are judged."""
+    return np.where(abs(np.arange(800) - place) < 20, size, 0) * ALTERNATING
+
+
 def keys(run):
     return {item.key for item in run.remarks}
 
@@ -91,10 +96,9 @@ def keys(run):
         (0.6 * ALTERNATING, 11.0, 0.0, True),
         (0.6 * ALTERNATING, np.inf, 1.3, False),
         (0.6 * ALTERNATING, np.inf, 1.1, True),
-        # bursts of 40 of the 400 samples that are judged
-        (np.where(abs(np.arange(800) - 600) < 20, 0.85, 0) * ALTERNATING, np.inf, 0.0, True),
-        (np.where(abs(np.arange(800) - 600) < 20, 0.7, 0) * ALTERNATING, np.inf, 0.0, False),
-        (np.where(abs(np.arange(800) - 200) < 20, 2.0, 0) * ALTERNATING, np.inf, 0.0, False),
+        (burst(600, 0.85), np.inf, 0.0, True),
+        (burst(600, 0.7), np.inf, 0.0, False),
+        (burst(200, 2.0), np.inf, 0.0, False),
     ],
 )
 def test_torques_chatter_beyond_what_motion_pushes_and_limit_allow(tau, limit, pushed, chatters):
