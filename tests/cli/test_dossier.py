@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.commands import finished, flat
+from tests.tables import cases, changes
 from wmr_ctrl import simulate
 from wmr_ctrl.cli import dossier
 from wmr_ctrl.control.setup import settle
@@ -46,12 +47,9 @@ gain = [0.9, 1.1]  # assumed
 d = [0.02, 0.02]
 """
 COMMAND = "another command is asked for, or one that is no number"
-FIRST_ORDER = {
-    "base.loop": "first-order",
-    "filter.loop": "first-order",
-    "base.tau": 0.2,
-    "filter.tau": (0.1, 0.3),
-}
+FIRST_ORDER = changes(
+    "base.loop = 'first-order'; base.tau = 0.2;filter.loop = 'first-order'; filter.tau = [0.1, 0.3]"
+)
 LOOPS = {
     "loops": {},
     "band": {"filter.kind": "band"},
@@ -111,20 +109,20 @@ def test_a_comment_that_names_no_source_is_not_shown(own):
 
 @pytest.mark.parametrize(
     "comment, shown",
-    [
-        ("1 to 2; from drive.mcap, 40 s", True),
-        ("controllers.yaml: wheel_radius", True),
-        ("maker's page: maximum velocities", True),
-        ("source: scales", True),
-        ("s, bounds of the base's time constant", False),
-        ("YOURS? [s] bounds of the speed loop's time constant", False),
-        ("not measured yet", False),
-        ("UNKNOWN: time from command to first motion", False),
-        ("guess", False),
-    ],
+    cases("""
+    1 to 2; from drive.mcap, 40 s | shown
+    controllers.yaml: wheel_radius | shown
+    maker's page: maximum velocities | shown
+    source: scales | shown
+    s, bounds of the base's time constant | not shown
+    YOURS? [s] bounds of the speed loop's time constant | not shown
+    not measured yet | not shown
+    UNKNOWN: time from command to first motion | not shown
+    guess | not shown
+    """),
 )
 def test_a_source_is_what_a_comment_calls_one(comment, shown):
-    assert bool(dossier.SOURCE.search(comment)) is shown
+    assert bool(dossier.SOURCE.search(comment)) is (shown == "shown")
 
 
 def test_numbers_that_are_derived_name_what_from():

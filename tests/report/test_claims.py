@@ -18,8 +18,7 @@ from wmr_ctrl.report.paper_claims import (
     verdict_of,
 )
 from wmr_ctrl.results.table import table_of_rows
-from wmr_ctrl.simulation.campaign import PAPER_LAWS
-from wmr_ctrl.simulation.campaign.paper_runs import REPORTED, STUDIES
+from wmr_ctrl.simulation.campaign.paper_runs import REPORTED
 from wmr_ctrl.simulation.campaign.plan import PlannedCase
 
 WORDS = {
@@ -29,8 +28,6 @@ WORDS = {
 """Bounds that a threshold's words have for their number."""
 
 CLAIMS = load_claims()
-SPECS = [(claim.id, test) for claim in CLAIMS for test in claim.tests]
-TIMES = {"paper_time", "our_time"}
 
 
 def row(law, seed, **values):
@@ -56,24 +53,13 @@ def test_ids_are_unique_and_every_claim_is_told_in_full():
     for claim in CLAIMS:
         assert all((claim.section, claim.title, claim.quote, claim.threshold, claim.explanation))
         assert any(test.decides for test in claim.tests), claim.id
+        for test in claim.tests:
+            assert (test.over or {}).keys() <= {"figure", "scenario", "law"}
+            assert test.laws == ("smc",) or "smc" not in test.laws, "it has tests of its own"
         keys = {test.key for test in claim.tests}
         named = {name for _, name, _, _ in string.Formatter().parse(claim.explanation) if name}
         assert len(keys) == len(claim.tests)
         assert named <= keys
-
-
-@pytest.mark.parametrize("claim, spec", SPECS, ids=[f"{c}-{s.key}" for c, s in SPECS])
-def test_tests_name_figures_studies_and_laws_of_the_campaign(claim, spec):
-    figures = {*REPORTED} | TIMES
-    other = spec.over or {}
-
-    assert spec.figure in figures
-    assert other.keys() <= {"figure", "scenario", "law"}
-    assert other.get("figure", spec.figure) in figures
-    assert {*spec.scenarios, other.get("scenario", "")} <= {"", *(s.label for s in STUDIES)}
-    assert {*spec.laws, other.get("law", "")} <= {"", *PAPER_LAWS}
-    assert spec.laws or spec.figure in TIMES
-    assert spec.laws == ("smc",) or "smc" not in spec.laws, "the stand-in has tests of its own"
 
 
 # -- the rule -----------------------------------------------------------------------------

@@ -178,14 +178,17 @@ def test_a_picture_may_have_any_case_and_is_looked_at_where_it_is_written(tmp_pa
         target_of(inside, (".png",), "one")
 
 
-def test_without_a_figure_of_tracking_the_first_of_the_plan_is_drawn():
-    def drawn(*figures):
-        none = np.array([])
-        return StudyTable({"figures": list(figures)}, {}, none, none, none, {}).figure
+@pytest.mark.parametrize(
+    "figures, drawn",
+    [
+        (["tau_peak", "violated"], "tau_peak"), (["tau_peak", PREFERRED[1]], PREFERRED[1]),
+        ([PREFERRED[1], PREFERRED[0]], PREFERRED[0]),
+    ],
+)  # fmt: skip
+def test_without_a_figure_of_tracking_the_first_of_the_plan_is_drawn(figures, drawn):
+    none = np.array([])
 
-    assert drawn("tau_peak", "violated") == "tau_peak"
-    assert drawn("tau_peak", PREFERRED[1]) == PREFERRED[1]
-    assert drawn(PREFERRED[1], PREFERRED[0]) == PREFERRED[0]
+    assert StudyTable({"figures": figures}, {}, none, none, none, {}).figure == drawn
 
 
 def test_rows_of_a_study_are_of_a_law_with_or_without_the_guard(tmp_path):

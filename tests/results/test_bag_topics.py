@@ -1,6 +1,7 @@
 """Bags: what a robot's topics hold arrives under our names, in our angles, on one clock."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -221,16 +222,12 @@ def test_bags_of_ros_1_are_read(tmp_path):
     from rosbags.typesys import Stores, get_typestore
 
     types = get_typestore(Stores.ROS1_NOETIC)
-    kind = types.types
+    zero = types.types["geometry_msgs/msg/Vector3"](x=0.0, y=0.0, z=0.0)
     with OldWriter(tmp_path / "old.bag") as writer:
         there = writer.add_connection("/cmd_vel", TWIST, typestore=types)
         for k in range(20):
-            vector = kind["geometry_msgs/msg/Vector3"]
-            message = kind[TWIST](
-                linear=vector(x=0.1 * k, y=0.0, z=0.0), angular=vector(x=0.0, y=0.0, z=1.0)
-            )
-            data = types.serialize_ros1(message, TWIST)
-            writer.write(there, (EPOCH + k) * SECOND, data)
+            message = types.types[TWIST](linear=replace(zero, x=0.1 * k), angular=zero)
+            writer.write(there, (EPOCH + k) * SECOND, types.serialize_ros1(message, TWIST))
 
     told = read_topics(tmp_path / "old.bag")
 
