@@ -19,8 +19,8 @@ from wmr_proofs.alterations import altered
 from wmr_proofs.claim import CLAIMED
 from wmr_proofs.claims import all_claims, drive_bounds
 from wmr_proofs.claims.common import PRESET, scalars
+from wmr_proofs.claims.effect_bounds import EffectGraph
 from wmr_proofs.claims.exported import Assembled, setup
-from wmr_proofs.claims.wheels_and_encoders import EffectGraph
 from wmr_proofs.graph import graph_of
 from wmr_proofs.methods import portfolio
 

@@ -12,7 +12,7 @@ from wmr_ctrl.world.effect import PAIRS
 from wmr_ctrl.world.registry import OURS
 from wmr_proofs.claim import CLAIMED
 from wmr_proofs.claims import all_claims
-from wmr_proofs.claims.wheels_and_encoders import EffectGraph
+from wmr_proofs.claims.effect_bounds import EffectGraph
 
 pytest.importorskip("z3")
 

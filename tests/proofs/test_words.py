@@ -37,6 +37,7 @@ NOT_SAMPLED = {
     "guard.late.mean-piece": "an example; tests/control/guard/test_lateness.py",
     "guard.falling": "drives; tests/control/guard/test_changing.py",
     "guard.varying.*": "rooms behind a lag; tests/control/guard/late_formula.py",
+    "filter.swung*": "loops that swing; tests/control/filter/test_filter_sides.py",
     "filter.in-time": "a count; tests/control/filter/test_filter_times.py",
     "filter.held-*": "steps of a run; tests/control/filter/test_held_loop.py",
     "filter.limits.*": "drives against lowered limits; tests/control/filter/test_stopping.py",

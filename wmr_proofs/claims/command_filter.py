@@ -1,15 +1,37 @@
 """The command filter: its limit on bases with a first-order speed loop; 0 is never refused.
 
+At the end the filter's own graph, from odometry to command, as it is compiled and exported.
+
 One axis, all numbers symbols.  tau, K and d may vary while a command acts, so the speed is v(t) =
 E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
 """
 
-from casadi import SX, fmax, fmin
+from fractions import Fraction
+from itertools import product
+
+from casadi import SX, expm1, fmax, fmin, if_else, logic_or
 
 from wmr_ctrl.control.filter import governor
-from wmr_ctrl.control.filter.governor import FirstOrder, drive, drive_back, largest_command
-from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.statement import Named, Relations, Statement, between, positive, symbols
+from wmr_ctrl.control.filter.channels import WAYS
+from wmr_ctrl.control.filter.governor import NEAR, FirstOrder, drive, drive_back, largest_command
+from wmr_ctrl.control.filter.governor_step import Governor
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.claim import CLAIMED, Claims, Mutation
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.statement import (
+    Cuts,
+    Named,
+    Relations,
+    Statement,
+    between,
+    instance,
+    nonnegative,
+    positive,
+    symbols,
+    when,
+)
+
+from .common import elements_of, ports_of
 
 NUMBERS = "V dbar nbar K_min K_max kappa"
 
@@ -167,3 +189,246 @@ def curvature(mutation: Mutation) -> Statement:
     goals += [hi[i] >= eta * r[i] for i in (0, 1)]
     goals += [eta * r[i] >= lo[i] for i in (0, 1)]
     return Statement(t, goals, positive(*hi, *(-item for item in lo)))
+
+
+STATED = {
+    "filter.kind": "governor", "filter.tau": ((0.2, 0.3), (0.1, 0.4)),
+    "filter.gain": ((0.9, 1.1), (0.8, 1.2)), "filter.d": (0.05, 0.05),
+    "filter.odometry": (0.02, 0.02),
+}  # fmt: skip
+"""Settings for the assembled graph's structure; its numbers are symbols all the same.
+
+Bounds of v and of omega, each for itself: one interval for both is the case in which they agree.
+"""
+ALIKE = {"filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1)}
+"""What takes their place for wheels, whose loops are alike."""
+BY_SIDE: dict[str, object] = {"limits.v_min": (-0.5, -1.0), "limits.v_max": (1.0, 1.5)}
+"""A limit of each direction, every one a symbol of its own."""
+SIDES = {
+    f"{name}-{way}": {"side": side, "axis": axis}
+    for axis, name in enumerate(("linear", "angular"))
+    for side, way in enumerate(("forwards", "backwards"))
+}
+
+
+class AssembledStep(Named):
+    """One axis and direction of the filter's own graph, as it is compiled and exported.
+
+    Its exponentials are free numbers between 0 and 1.  ``limit``: the largest command that it
+    admits; ``slow``: 0 < tau_min <= tau_max.
+    """
+
+    def __init__(self, side: int, axis: int) -> None:
+        """Read the graph of the step."""
+        self.graph = Governor(load_scenario("paper-simulation", {**STATED, **BY_SIDE}))
+        self.side, self.axis, self.way = side, axis, WAYS[side]
+        self.free = symbols("v u E mean share kappa gone")
+        system = self.graph.system
+        ports = ports_of(system)
+        self.symbols = self.free | elements_of(*ports)
+        self.limit = self.graph.limits[side][axis]
+        self.bounds = self.graph.channels[axis].sides[side]
+        T, (low, high) = self.graph.T, self.graph.motions[side][axis].tau
+        self.slow = low > 0, high >= low
+        self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / expm1(T / low)}
+        self.cuts |= {"-most": expm1(-T / low), "-least": expm1(-T / high)}
+
+    def given(self, mutation: Mutation, target: SX) -> Relations:
+        """Hypotheses on base, speed, odometry and exponentials; the mean under a command.
+
+        Odometry, if there is any, is as stated; so are the stored bounds, if the sample came in
+        time.
+        """
+        graph, axis, f = self.graph, self.axis, self.free
+        b, v, y = self.bounds, f.v, graph.odometry.sym[axis]
+        ahead, back = (own.V for own in graph.channels[axis].sides)
+        kappa, most, least = self.cuts.values()
+        up, down = (known.sym[axis] for known in graph.known)
+        error = mutation(1, 1.01) * b.nbar
+        there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
+        timely = logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
+        return (
+            ahead >= b.dbar, back >= b.dbar, b.dbar >= 0, ahead >= v,
+            back >= -v,
+            b.nbar >= 0, b.K_min > 0, b.K_max >= b.K_min, f.kappa == kappa,
+            f.gone == most, f.kappa > 0, -f.kappa * f.gone == 1 + f.gone,
+            -least > 0, least >= most, 1 + most > 0,
+            when(timely, (up >= v, down >= -v)),
+            when(there, (error >= y - v, error >= v - y)),
+            between(1 + most, f.E, 1), graph.T > 0, target >= f.mean,
+        )  # fmt: skip
+
+
+@claim(
+    "filter.limits",
+)
+def limits(mutation: Mutation) -> Statement:
+    """the largest command that the whole filter admits is at least 0, on either axis, either way,
+    and above 0 where dbar < V.
+
+    Stopping is always allowed, and so is driving where a push leaves room for it.
+
+    Given: 0 < K_min <= K_max, 0 <= dbar <= V each way, 0 < tau_min <= tau_max of each axis, T > 0;
+    any odometry of the sample, any time since the last one; v and omega limited; no delay, jitter
+    or losses, H = T.
+    """
+    stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), Cuts()
+    graph = Governor(stated)
+    goals, given = list[Relations](), list[Relations]()
+    for axis, channel in enumerate(graph.channels):
+        (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]
+        growth = expm1(graph.T / low)
+        kappa = 1 / growth
+        cuts |= {f"kappa {name}": kappa, f"-most {name}": expm1(-graph.T / low)}
+        cuts[f"-least {name}"] = expm1(-graph.T / high)
+        given += [positive(low, high, growth, kappa)]
+        for side, b in zip(graph.limits, channel.sides, strict=True):
+            given.append(admits(b))
+            goals.append(side[axis] >= mutation(0, b.V))
+            goals.append(if_else(b.dbar < b.V, side[axis], 1) > 0)
+    table = elements_of(*ports_of(graph.system))
+    return Statement(table, goals, given, cuts)
+
+
+@claim(
+    "filter.sent",
+    premises="filter.limits",
+    each=SIDES,
+)
+def sent(mutation: Mutation, side: int, axis: int) -> Statement:
+    """on each axis, forwards and backwards: the command that the whole filter sends is at most the
+    step's limit, whatever both axes are asked for.
+
+    Nothing bypasses the filter: no command and no scaling of the other axis.
+
+    Given: {ASSEMBLED}; the four limits at least 0 (filter.limits).
+    """
+    step = AssembledStep(side, axis)
+    every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
+    given = nonnegative(*every.values())
+    every["numbers are sound"] = step.graph.sound
+    most, commands = mutation(1, 0.99) * step.limit, (step.graph.sent, step.graph.safe)
+    goals = tuple(most >= step.way * command[axis] for command in commands)
+    return Statement(step, goals, given, every)
+
+
+@claim(
+    "filter.assembled",
+    premises="filter.sent",
+    each=SIDES,
+)
+def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
+    """on each axis, forwards and backwards: E v + (1 - E) mean <= V behind every command u that
+    the whole filter admits.
+
+    The limit of the filter as it is exported, from odometry to command, keeps the base within V.
+
+    Given: {ASSEMBLED}; u at most the step's limit (filter.sent).
+    """
+    step = AssembledStep(side, axis)
+    u, E = step.free.u, step.free.E
+    given = step.given(mutation, drive(u, step.bounds)), step.limit >= u
+    end = E * step.way * step.free.v + (1 - E) * step.free.mean
+    return Statement(step, end <= step.bounds.V, given, step.cuts)
+
+
+def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
+    """Points at which the next stored bound is as low as it may be.
+
+    In turn: driven up and down from a stored bound, from odometry, from the limit after a late
+    sample, and from a stored bound without odometry.
+    """
+    own, other, way = axis + 1, 2 - axis, WAYS[side]
+    names = ("v_above", "v_below") if side == 0 else ("v_below", "v_above")
+    V = 1 - Fraction(2) ** -26
+    rows = (  # speed, its bounds on both sides, odometry and its age, target, share, elapsed
+        ("1/2", "1/2", "-1/2", "1/2", -1, 1, "1/2", 0),
+        ("1/2", "1/2", "-1/2", "1/2", -1, 0, "1/4", 0),
+        ("1/2", "3/4", 1, "2/5", 0, 1, "1/2", 1),
+        (V, 0, 0, V, -1, "1/4", "1/4", 8),
+        ("1/2", "1/2", 1, -1, -1, 1, "1/2", 0),
+    )
+    known = {
+        "clock.control.1": 1, "limits.v_max.1": 1, "limits.v_max.2": 1, "limits.v_min.1": -1,
+        "limits.v_min.2": -1, "filter.odometry.1": "1/10",
+        "filter.odometry.2": "1/10", "filter.d.1": "1/8", "filter.d.2": "1/8",
+        **dict.fromkeys((f"filter.{key}.{i}" for key in ("tau", "gain") for i in range(1, 5)), 1),
+        f"v_asked.{other}": 0,
+        "kappa": 1, "1/(exp(T/tau_min) - 1)": 1, "gone": "-1/2", "-most": "-1/2", "-least": "-1/4",
+        "E": "1/2", f"v_odometry.{other}": 0, f"v_above.{other}": 1, f"v_below.{other}": 1,
+    }  # fmt: skip
+    return tuple(
+        {name: Fraction(str(value)) for name, value in (known | {
+            "v": way * Fraction(str(v)), f"{names[0]}.{own}": up, f"{names[1]}.{own}": down,
+            f"v_odometry.{own}": way * Fraction(str(y)), "odometry_age.1": age,
+            "elapsed.1": elapsed, "mean": target, "driven towards": target, "share": share,
+            **dict.fromkeys(
+                (f"v_asked.{own}", "sent command"), way * (Fraction(str(target)) - Fraction(1, 8))
+            ), "other command": 0,
+        }).items()}
+        for v, up, down, y, age, target, share, elapsed in rows
+    )  # fmt: skip
+
+
+@claim(
+    "filter.carried",
+    premises="filter.sent filter.drive",
+    by=Z3(points=[point for sides in SIDES.values() for point in tight(**sides)]),
+    each=SIDES,
+)
+def carried(mutation: Mutation, side: int, axis: int) -> Statement:
+    """on each axis, forwards and backwards: v + share (mean - v) <= what the whole filter keeps as
+    next bound, for least <= share <= most.
+
+    The memory of the filter as it is exported bounds the speed at the next sample.
+
+    Given: {ASSEMBLED}; sent at most the step's limit (filter.sent).
+    """
+    step = AssembledStep(side, axis)
+    v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
+    sent, b = step.way * step.graph.safe[axis], step.bounds
+    target = (drive, drive_back)[side](step.graph.safe[axis], b)
+    within = step.limit >= sent, between(-least, share, -most)
+    given = step.given(mutation, target), within, step.slow, highest(sent, b) >= target
+    end = v + share * (step.free.mean - v)
+    commands = {"sent command": step.graph.safe[axis], "other command": step.graph.safe[1 - axis]}
+    cuts = step.cuts | commands | {"driven towards": target}
+    return Statement(step, step.graph.following[side][axis] >= end, given, cuts)
+
+
+@claim(
+    "filter.step",
+    premises="filter.drive filter.limits filter.sent filter.assembled filter.carried",
+    each=SIDES,
+)
+def induced(mutation: Mutation, side: int, axis: int) -> Statement:
+    """I at a sample implies I at the next one, whatever the whole filter is asked for: on each
+    axis, forwards and backwards, E v + (1 - E) mean <= V up to then, and, then, it is at most what
+    the filter keeps as next bound.
+
+    A step of the induction over samples (filter.mean): what is sent, what the speed does and what
+    is remembered, in one.
+
+    Given: I: {ASSEMBLED}; mean <= drive(u), u what is sent; exp(-T/tau_min) <= E <= 1, and E <=
+    exp(-T/tau_max) at the next sample.
+    """
+    step = AssembledStep(side, axis)
+    free, graph, share, least = step.free, step.graph, 1 - step.free.E, step.cuts["-least"]
+    safe, kept = graph.safe[axis], graph.following[side][axis]
+    values = {"u": step.way * safe, "share": share}
+    taken = []
+    for part in (
+        limits(CLAIMED),
+        *(item(CLAIMED, side, axis) for item in (sent, assembled, carried)),
+    ):
+        own = {name: step.symbols[name] for name in part.symbols if name in step.symbols}
+        taken.append(instance(part, own | values if "u" in own else own))
+    cuts = step.cuts | {"sent command": safe, "other command": graph.safe[1 - axis], "kept": kept}
+    cuts |= {f"limit {s} {i}": graph.limits[s][i] for s, i in product(range(2), repeat=2)}
+    end = free.E * step.way * free.v + share * free.mean
+    given = step.given(CLAIMED, (drive, drive_back)[side](safe, step.bounds)), step.slow, taken
+    goals = (
+        mutation(1, 0.99) * step.bounds.V >= end,
+        when(share >= -least, kept >= end),
+    )
+    return Statement(step, goals, given, cuts)

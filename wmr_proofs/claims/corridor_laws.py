@@ -32,10 +32,9 @@ from wmr_proofs.statement import (
 )
 
 from .common import EITHER_BARRIER
-from .effect_bounds import Jittering
+from .effect_bounds import EffectGraph, Jittering
 from .guard_axis import NUMBERS
 from .prox import Step
-from .wheels_and_encoders import EffectGraph
 
 claim = Claims()
 

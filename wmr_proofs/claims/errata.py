@@ -10,7 +10,7 @@ from wmr_proofs.regions import at
 from wmr_proofs.statement import Statement, column, nonnegative, positive, stacked, symbols
 
 from .common import barrier_axis
-from .tracking import PAPER, Tracking
+from .theorem1 import PAPER, Tracking
 
 BACKWARDS = ({**at(e1=0, e2=0, **PAPER), "e3": "1 pi"},)
 TURNED = (at(e1=0, e2=0, e3="11/10", k2=5, r="1/2"),)

@@ -36,8 +36,8 @@ from wmr_proofs.statement import (
     within,
 )
 
+from .command_filter import STATED
 from .common import BOTH_AXES, elements_of
-from .filter_assembled import STATED
 
 claim = Claims()
 WAYS = {"over": {"way": 1}, "under": {"way": -1}}

@@ -28,9 +28,8 @@ from wmr_proofs.statement import (
     within,
 )
 
-from .command_filter import sound
+from .command_filter import ALIKE, STATED, sound
 from .common import elements_of, ports_of
-from .filter_assembled import ALIKE, STATED
 from .filter_band import BANDED
 from .filter_loops import LINEAR, SLOW
 

@@ -16,8 +16,8 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import Cuts, Relations, Statement, Symbols, exchanged, within
 
+from .command_filter import STATED as OF_GOVERNOR
 from .common import elements_of, named_ports, ports_of
-from .filter_assembled import STATED as OF_GOVERNOR
 from .filter_shapes import SHAPES, named_for
 
 STATED = {

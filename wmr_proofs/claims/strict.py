@@ -13,7 +13,7 @@ from wmr_proofs.regions import POSITIVE, Case, at
 from wmr_proofs.statement import Relations, Statement, positive, symbols
 
 from .common import barrier_axis
-from .tracking import Tracking
+from .theorem1 import Tracking
 
 PAPER = (("v1d", 5, 1), ("v2d", 10, 1), ("k1", 1, 10), ("k2", 1, 5), ("k3", 1, 4), ("eps", 50, 1))
 """Numbers b/a of the paper and of eps, by name, as a and b."""
