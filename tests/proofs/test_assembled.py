@@ -17,7 +17,7 @@ from wmr_ctrl.world.effect import Bound
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.alterations import altered
 from wmr_proofs.claim import CLAIMED
-from wmr_proofs.claims import all_claims, drive_bounds
+from wmr_proofs.claims import all_claims, effect_bounds
 from wmr_proofs.claims.common import PRESET, scalars
 from wmr_proofs.claims.effect_bounds import EffectGraph
 from wmr_proofs.claims.exported import Assembled, setup
@@ -96,7 +96,7 @@ def whole_shares(context):
         ("guard.assembled.keeps", guard, "within_reach", reached_about),
         ("world.noise.thrust", torque_noise, "noise_at_most", capped),
         ("guard.assembled", applied.Applied, "following", kept_late),
-        ("world.lag.applied", drive_bounds, "followed", held_mean),
+        ("world.lag.applied", effect_bounds, "followed", held_mean),
         ("prox.assembled", prox, "_shares", whole_shares),
     ],
 )
@@ -105,7 +105,7 @@ def whole_shares(context):
     "guard.assembled-wmr_ctrl.control.guard.guard-rounding-rounded_down",
     "world.noise.thrust-wmr_ctrl.world.torque_noise-noise_at_most-capped",
     "guard.assembled-Applied-following-kept_late",
-    "world.lag.applied-wmr_proofs.claims.drive_bounds-followed-held_mean",
+    "world.lag.applied-wmr_proofs.claims.effect_bounds-followed-held_mean",
 )
 def test_what_feeds_guard_and_law_and_is_exported_is_in_an_entry(
     monkeypatch, key, place, name, stand_in

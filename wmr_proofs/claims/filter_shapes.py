@@ -53,7 +53,7 @@ One factor beside limits of wheels is in filter.rounding.beside.
 
 
 def governor(more: Mapping[str, object]) -> Governor:
-    """The governor of `filter_assembled` with other settings."""
+    """The governor of `command_filter` with other settings."""
     return Governor(load_scenario("paper-simulation", {**STATED, **more}))
 
 

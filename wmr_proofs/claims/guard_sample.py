@@ -2,7 +2,7 @@
 
 All parameters are symbols. The statements are about one sample of one axis: with velocities and
 drives at once, behind a delay, with late velocities, jitter and lag, behind a lag that varies.
-Effects of commands in transit are in `guard_sent`; `guard_limits` shows that no guard does better
+Effects of commands in transit are in `guard_sent`, which also shows that no guard does better
 and, by hand, what follows for every instant of a run.
 """
 
