@@ -97,7 +97,6 @@ LOOPS = {
 @pytest.mark.parametrize(
     "kind, stated",
     [("clip", {}), ("clip", LOOPS), ("clip", {**LOOPS, "slew": (0.25, 0.25)}), ("band", LOOPS)],
-    ids=["clip", "loops", "slew", "band"],
 )
 def test_filters_other_than_a_governor_do_as_well_whatever_odometry_says(kind, stated):
     asked = np.random.default_rng(0).uniform(-3, 3, (40, 2)).tolist()

@@ -58,6 +58,7 @@ def alone(stated, axis):
 
 
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.slow_but(*CASES.keys() - {"clip of slow commands"})
 def test_each_axis_is_sent_what_it_is_sent_where_both_are_like_it(name):
     kind, stated = CASES[name]
     apart = command_filter(scenario(kind, **stated, scale="axes"))
@@ -176,7 +177,6 @@ ROBOT = CUTTER | changes("robot.m = 60; robot.I = 3.5; base.kp = 150; base.ki = 
 @pytest.mark.parametrize(
     "stated, loop",
     [(PI_TURNS, ("first-order", "pi")), (PI_DRIVES, ("pi", "second-order"))],
-    ids=["omega", "v"],
 )
 def test_a_pi_loop_may_drive_one_axis_beside_another_loop(stated, loop):
     own = ROBOT | {"base.loop": loop, "initial.velocity": (0.0, 0.0)}
