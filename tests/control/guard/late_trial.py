@@ -19,7 +19,7 @@ from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.scenario import load_scenario
 
 LIMITS = np.array([1.0, 1.5])
-BY_SIGN, BY_TIME, BY_CHANCE = 0, 1, 2
+BY_SIGN, BY_TIME = 0, 1
 
 
 @dataclass(frozen=True)

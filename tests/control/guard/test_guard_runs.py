@@ -10,7 +10,6 @@ from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.results import load_run
 from wmr_ctrl.results.formats import save_run
 
-every_law = pytest.mark.parametrize("law", NAMES)
 SHORT = changes("""
     clock.duration = 6.0
     changes = [{t = 3.0, m = 65.0, I = 7.0, mu = 0.15}]
@@ -47,7 +46,7 @@ def test_every_option_means_what_the_oracle_takes_it_for(changed):
     assert native.monitor.violations == slow.monitor.violations
 
 
-@every_law
+@pytest.mark.parametrize("law", NAMES)
 @pytest.mark.slow_but("prox")
 def test_switch(law):
     off, on, preset = (

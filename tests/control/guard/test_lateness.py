@@ -23,8 +23,6 @@ LAG = Case(lag=1, dbar=40.0, brake=40.0)
 ALL = Case(lag=0.5, lo=0.25, hi=1, window=1, age=0.25, dbar=15.0, nbar=0.05)
 VARYING = Case(lag=1, fast=0.5, dbar=40.0, brake=40.0)
 ALL_VARYING = replace(ALL, fast=0.25, dbar=12.0)
-FIRM = Case(window=2, dbar=30.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0)
-VARYING_JITTER = Case(lag=0.5, fast=0.25, hi=1, lo=0.25, dbar=20.0)
 CASES = {
     "mean over a sample": MEAN,
     "old mean": Case(age=1, window=0.5, dbar=30.0),
@@ -60,8 +58,8 @@ def test_hostile_robots_reach_the_limit_and_never_pass_it(name):
 @pytest.mark.parametrize(
     "case",
     [
-        FIRM,
-        VARYING_JITTER,
+        Case(window=2, dbar=30.0, f_min=15.0, f_speed=0.1, alpha=0.7, brake=60.0),
+        Case(lag=0.5, fast=0.25, hi=1, lo=0.25, dbar=20.0),
         *(replace(item, dbar=20.0, tau_max=5.0) for item in (LAG, VARYING, JITTER)),
     ],
 )
