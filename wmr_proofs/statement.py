@@ -38,6 +38,8 @@ class Relation:
 
 Relations: TypeAlias = "Relation | ca.SX | Sequence[Relations]"
 """One relation or comparison, or groups of them within groups, in their order."""
+Group: TypeAlias = list[Relations]
+"""Relations, to be added to."""
 KINDS = {ca.OP_LE: AT_LEAST, ca.OP_LT: ABOVE, ca.OP_EQ: EQUAL}
 
 

@@ -20,6 +20,7 @@ from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3
 from wmr_proofs.statement import (
     Cuts,
+    Group,
     Named,
     Relations,
     Statement,
@@ -274,7 +275,7 @@ def limits(mutation: Mutation) -> Statement:
     """
     stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), Cuts()
     graph = Governor(stated)
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     for axis, channel in enumerate(graph.channels):
         (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]
         growth = expm1(graph.T / low)

@@ -21,7 +21,7 @@ from wmr_ctrl.world.model.dynamics import force_to_wheel, full_thrust
 from wmr_ctrl.world.pose_sensor import reckoned
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import (
-    Relations,
+    Group,
     Statement,
     between,
     every,
@@ -196,7 +196,7 @@ def dead_band(mutation: Mutation) -> Statement:
     Given: any size >= 0.
     """
     g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, {"base.deadband": [0.01, 0.01]})
-    goals, most = list[Relations](), g.bound("dropped")
+    goals, most = Group(), g.bound("dropped")
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
         beyond = abs(g.system.u[i]) > size
@@ -267,7 +267,7 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     cuts = {"slope": b.M_min * b.alpha, "braking": b.braking, "largest": largest_force(b)}
     if jitters:
         cuts["stretch"] = 1 + b.alpha * t.J
-    sizes = list[Relations]()
+    sizes = Group()
     for way, side in ((1, "ahead"), (-1, "back")):
         for w in (way * t.y + t.nbar, t.f_speed):
             for F in (way * t.force, SX(0)):
@@ -301,7 +301,7 @@ def late_sums(mutation: Mutation) -> Statement:
     first, second = (vertcat(t[name], 0) for name in ("F1", "F2"))
     sums = in_flight([(first, t.t1), (horzcat(second, first), t.t2)], 0, b)
     scale, size = t.period / t.M_min, mutation(1, 0.5) * t.N
-    goals = list[Relations]()
+    goals = Group()
     for way, side in ((1, sums.ahead), (-1, sums.back)):
         worst = fmax(way * t.F1, way * t.F2)
         most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
@@ -352,8 +352,8 @@ def ramped(mutation: Mutation) -> Statement:
     Given: h, a > 0; a at most accel and decel.
     """
     g = EffectGraph(command_ramp.COMMAND_RAMP, {"base.accel": [1.0, 1.0]})
-    a, goals = symbols("a", "a"), list[Relations]()
-    h, given = g["clock.plant"], list[Relations]()
+    a, goals = symbols("a", "a"), Group()
+    h, given = g["clock.plant"], Group()
     for i in (0, 1):
         now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
         after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]

@@ -39,6 +39,7 @@ from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case, at
 from wmr_proofs.statement import (
     UNIT,
     Cuts,
+    Group,
     Named,
     Relations,
     Statement,
@@ -184,7 +185,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     turn = symbols("old_right old_left")
     old = vertcat(turn.old_right, turn.old_left)
     whole = g.column("wheel_counts_1")
-    given = list[Relations]()
+    given = Group()
     for real, part in ((now, floor(now)), (old, whole)):
         for i in (0, 1):
             given += real[i] >= part[i], real[i] - part[i] < 1
@@ -802,7 +803,7 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
     Given: step > 0; whole parts of two numbers: n <= x < n + 1.
     """
     g = EffectGraph(command_quantum.COMMAND_QUANTUM, {"base.quantum": [0.01, 0.01]})
-    off, most, given = g.system.y - g.system.u, g.bound("command"), list[Relations]()
+    off, most, given = g.system.y - g.system.u, g.bound("command"), Group()
     cuts = Cuts()
     for i in (0, 1):
         step = g[f"base.quantum[{i + 1}]"]

@@ -21,6 +21,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.speed_loops import SPEED_LOOP
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import (
+    Group,
     Named,
     Relations,
     Statement,
@@ -167,7 +168,7 @@ def least(mutation: Mutation) -> Statement:
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)
     named = elements_of(*ports_of(graph))
-    given, goals, cuts = list[Relations](), list[Relations](), {"sound": clip.sound}
+    given, goals, cuts = Group(), Group(), {"sound": clip.sound}
     rest, way = vertsplit(graph.x, 2)
     for axis, limit in enumerate(clip.limits):
         band, w = named[f"base.deadband.{axis + 1}"] * JUST_ABOVE, way[axis]
@@ -332,7 +333,7 @@ def held_kick(mutation: Mutation) -> Statement:
     """
     s = HeldStep(behind=True)
     most = mutation(1, 0.9) * s.h * (s.friction(s.after) - s.friction(s.v)) / s.m
-    alike = list[Relations]()
+    alike = Group()
     for rise, change in s.changes(combinations(s.at, 2)):
         for side, on in ((1, change >= 0), (-1, change < 0)):
             alike += when(on, between(0, side * rise, side * change))

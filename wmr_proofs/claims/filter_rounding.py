@@ -31,6 +31,7 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import (
     UNIT,
     Cuts,
+    Group,
     Named,
     Number,
     Relations,
@@ -226,7 +227,7 @@ def rest(mutation: Mutation) -> Statement:
     starts = {"start": pieces[0].start * T}
     s |= symbols(" ".join((*ends, *starts)))
     left = governor.SpeedBound(LOOKED_BACK, FirstOrder(*[SX(1)] * 6), (SX(1), SX(1)), T)
-    spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, list[Relations]()
+    spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, Group()
     for k, piece in enumerate(pieces):
         start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
         over, whole = -age >= end, -age <= start
@@ -427,7 +428,7 @@ class Limited(Named):
 
     def kept(self, command: list[SX], spare: float, axes: bool) -> Relations:
         """v and omega (``axes``), or the wheels, within their limits, except for ``spare``."""
-        kept = list[Relations]()
+        kept = Group()
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             if self.is_axis(channel) == axes:
                 up, down = (high, -low) if axes else [self.M] * 2

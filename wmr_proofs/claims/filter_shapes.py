@@ -17,6 +17,7 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import (
     Cuts,
+    Group,
     Relations,
     Statement,
     Symbols,
@@ -86,7 +87,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     Given: {COMMANDS}, any odometry, any time since the last sample; l > 0; the limits above 0.
     """
     table, cuts = Symbols(), Cuts()
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     for scale in scales:
         graph = governor({**more, "filter.scale": scale})
         ports = ports_of(graph.system)
@@ -120,7 +121,7 @@ def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ..
     the places of K_max and dbar where loops are linear.
     """
     table, cuts = Symbols(), Cuts()
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     for loop, stated in (("first", CLIPPED), ("linear", LINEAR)):
         for scale in scales if more else ("curvature", *scales):
             clip = _clip(stated | more, scale)
@@ -159,7 +160,7 @@ def clip_step(mutation: Mutation, more: dict[str, object], scale: str) -> Statem
     -drive_back(u) <= mean <= drive(u), u the speed that is sent (filter.drive); 0 <= E <= 1.
     """
     clip = _clip(CLIPPED | more, scale)
-    table, goals = elements_of(clip.asked, *clip.p.ports), list[Relations]()
+    table, goals = elements_of(clip.asked, *clip.p.ports), Group()
     given = [_arms(clip.channels)]
     for i, channel in enumerate(clip.channels):
         f, b, u = symbols("w mean E"), channel.bounds, channel.of(clip.sent)
@@ -184,7 +185,7 @@ def slew_together(mutation: Mutation) -> Statement:
     - a reach)/K_max > 0; the command before within c.
     """
     table, cuts = Symbols(), Cuts()
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     for scale in ("curvature", "axes", "turn", "drive"):
         clip = Clip(load_scenario("paper-simulation", SLOW | {"filter.scale": scale}))
         table |= named_for(elements_of(clip.asked, clip.elapsed, *clip.last, *clip.p.ports), scale)
@@ -225,7 +226,7 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
     are admitted, and 0 <= the largest command behind which 0 may follow.
     """
     table, cuts = Symbols(), Cuts()
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     for number, stated in enumerate(shapes):
         graph = BandGovernor(load_scenario("paper-simulation", dict(stated)))
         system = graph.system
@@ -336,7 +337,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     graph = governor(more)
     ports = ports_of(graph.system)
     table, cuts = elements_of(*ports), Cuts()
-    T, goals, given = graph.T, list[Relations](), list[Relations]([graph.T > 0])
+    T, goals, given = graph.T, Group(), list[Relations]([graph.T > 0])
     seen = graph.age.sym >= -NEAR * T
     for axis, motion in enumerate(graph.motions[0]):
         b, (low, _) = motion.bounds, motion.tau

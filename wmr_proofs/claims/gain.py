@@ -22,7 +22,7 @@ from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Point, Ring, Table
 from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
-from wmr_proofs.statement import Cuts, Relations, Statement, positive, symbols
+from wmr_proofs.statement import Cuts, Group, Statement, positive, symbols
 
 from .authority_table import AXES, Numbers
 from .common import (
@@ -228,7 +228,7 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
     law = LawGraph("mb", ("gains.mb.barrier", form))
     mass, friction = law.own(law.context.mass), law.own(law.context.friction)
     every, cuts = dict(law), Cuts()
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     for axis in (0, 1):
         t = symbols(" ".join(f"{name}{axis + 1}" for name in f"A J D {INNER}".split()))
         A, J, D, quotient, _, _, c_dot = t.values()

@@ -14,7 +14,7 @@ from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.statement import Cuts, Relations, Statement, Symbols, exchanged, within
+from wmr_proofs.statement import Cuts, Group, Relations, Statement, Symbols, exchanged, within
 
 from .command_filter import STATED as OF_GOVERNOR
 from .common import elements_of, named_ports, ports_of
@@ -59,7 +59,7 @@ class GateStep:
     @property
     def sound(self) -> Relations:
         """Hypotheses: the parameters leave some safe command."""
-        given = list[Relations]()
+        given = Group()
         for V, dbar, low, high in self.bounds:
             given += [dbar < V, dbar >= 0, low > 0, high >= low]
         return tuple(given)
@@ -159,7 +159,7 @@ def inside_shapes(
     dbar)/K_max > 0 of each speed; every real input of any size, any time since the last step.
     """
     table, cuts = Symbols(), Cuts()
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     for scale in scales:
         scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})
         (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
@@ -209,8 +209,8 @@ def before_governor(mutation: Mutation) -> Statement:
     last step.
     """
     g = BehindGovernor()
-    goals, cuts = list[Relations](), {f"goal{i}": g.goal[i] for i in AXES}
-    given = list[Relations]()
+    goals, cuts = Group(), {f"goal{i}": g.goal[i] for i in AXES}
+    given = Group()
     for side, way in enumerate(WAYS):
         for i in AXES:
             limit = g.limits[2 * side + i]

@@ -9,6 +9,7 @@ from wmr_ctrl.world.model.dynamics import KEYS, force_to_wheel, plant, rk4_step,
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import (
+    Group,
     Named,
     Relations,
     Statement,
@@ -37,7 +38,7 @@ def axes(mutation: Mutation) -> Statement:
     table = {f"{name}{k}": a[name] for k, a in ((1, one), (2, two)) for name in a}
     both = Bounds(**{name: vertcat(one[name], two[name]) for name in NUMBERS.split()})
     result = guarded(vertcat(one.asked, two.asked), vertcat(one.y, two.y), both)
-    goals = list[Relations]()
+    goals = Group()
     for i, a in enumerate((one, two)):
         goals.append(result.force[i] == clipped(mutation * a.asked, a.y, a.bounds))
         goals.append(result.safe[i] == clipped(SX(0), a.y, a.bounds))
@@ -180,7 +181,7 @@ def late(mutation: Mutation) -> Statement:
     b, t = a.bounds, symbols("old D F1 F2 N1 N2")
     sent = [vertcat(t[f"F{j}"], t[f"N{j}"]) for j in (1, 2)]
     motion, old, D = LateMotion((SINCE, SINCE), sent, sent[0]), t.old, t.D
-    goals, given = list[Relations](), list[Relations]()
+    goals, given = Group(), Group()
     given += positive(b.M_min, b.period), nonnegative(b.nbar, D)
     for axis, name in enumerate("FN"):
         least = motion.least_push(axis, a.y, old, b)

@@ -15,6 +15,7 @@ from wmr_ctrl.world.model.system import Parameters
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import (
     Cuts,
+    Group,
     Relations,
     Statement,
     Symbols,
@@ -80,7 +81,7 @@ def conditions(mutation: Mutation, n: int) -> Statement:
     of its own numbers.
     """
     e, free, near = Flag(n), symbols("flag"), 1 + NEAR
-    goals = list[Relations]()
+    goals = Group()
     for b in e.both:
         goals += e.authority(b, mutation(2, 2.01)), b.brake + NEAR * abs(b.net) >= b.net
         goals += near >= b.alpha * b.period, b.u1 * near >= 2 * b.nbar
@@ -103,7 +104,7 @@ def braking(mutation: Mutation, n: int) -> Statement:
     """
     e, free = Flag(n), symbols("first second")
     share = mutation(4, 0.01) * (1 + n) * NEAR
-    goals, given, computed = list[Relations](), list[Relations](), Cuts()
+    goals, given, computed = Group(), Group(), Cuts()
     for name, b in zip(free, e.both, strict=True):
         computed[name] = b.braking
         goals += within(free[name] - b.braking, share * size(b)), within(b.braking, size(b))
@@ -211,7 +212,7 @@ def kept(mutation: Mutation) -> Statement:
 
     Given: n = 1 to 5 commands under way; alpha T <= 1 + 2^-50, v_u1, T, alpha > 0; both axes.
     """
-    a, table, goals, given = QueuedAxis(), Cuts(), list[Relations](), list[Relations]()
+    a, table, goals, given = QueuedAxis(), Cuts(), Group(), Group()
     for n in range(1, 6):
         guarded = setup("linear-first", n)
         p = Parameters(guarded)
