@@ -212,6 +212,7 @@ FAMILIES: Mapping[str, Base] = {
     "0.35 to 0.4 s late, jitter 10 %, a loss": Base(delay=(0.35, 0.4), jitter=0.1, losses=1),
     "0 to 0.2 s late, jitter 30 %, two losses": Base(delay=(0.0, 0.2), jitter=0.3, losses=2),
     "two losses": Base(losses=2, delay=(0.02, 0.02)),
+    "a loss, at once": Base(losses=1),
     "jitter 30 %": Base(jitter=0.3, delay=(0.03, 0.03)),
     "no odometry": Base(heard=False, delay=(0.05, 0.05)),
     "odometry 0.1 s old": Base(age=0.1, delay=(0.05, 0.08)),
@@ -251,6 +252,8 @@ RAMPS: Mapping[str, Base] = {
     "push of 0.2 m/s, brake 0.4 s": replace(
         _SLOWS, push=(0.2, 0.2), rest=0.4, delay=(0.05, 0.05)),
     "gain 0.7 to 1.4": replace(_SLOWS, gain=(0.7, 1.4), delay=(0.1, 0.1)),
+    "stops by itself after 0.04 s": replace(
+        _SLOWS, push=(0.2, 0.05), delay=(0.05, 0.05), hold=0.04),
     "turning": replace(
         _SLOWS, v=(1.5, 1.5), omega=(1.5, 0.5), decel=(1.0, 1.0), delay=(0.05, 0.1)),
 }  # fmt: skip

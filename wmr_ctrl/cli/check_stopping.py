@@ -7,7 +7,10 @@ from dataclasses import asdict
 from wmr_ctrl.control.filter.stop_numbers import (
     Stopping,
     costs,
+    fastest,
+    leaves_from,
     leaving,
+    pull_away,
     rolls_back,
     smallest_window,
     stopping,
@@ -19,13 +22,15 @@ from wmr_ctrl.world.scenario import Scenario
 
 SPEEDS = (0.1, 0.25, 0.5, 0.75, 1.0)
 """Shares of the limit from which stops are told."""
+BACK = (", backwards,", ", to the right,")
+"""The other direction of v and of omega."""
 
 
 def stopping_table(case: Scenario) -> list[Stopping] | None:
     """Distances of stops from several speeds; None for a filter that is told no distance."""
     if not case.takes_velocity or not case.filter.is_told or case.filter.free_error is None:
         return None
-    return [stopping(case, share * case.limits.v_max[0]) for share in SPEEDS]
+    return [stopping(case, share * fastest(case)) for share in SPEEDS]
 
 
 def stopping_numbers(case: Scenario) -> dict[str, object]:
@@ -80,29 +85,30 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
             f"a push turns it by up to {turned:.3g} rad during a stop: state at least as much free "
             f"turning (`look` of the ROS 2 node), {held:.3g} rad to leave"
         )
-    settings = case.filter
-    if settings.kind == "clip" or settings.nearing:
-        why = "filter.nearing uses up" if settings.nearing else "a clip does not count"
-        rolls = length(settings.d[0] * (settings.rest or 0.0))
-        yield (
-            f"it leaves what is near only if that is farther away than {rolls}, which it may roll "
-            f"when a command is let go: {why} what a held command gains"
-        )
-    if not any(settings.d) or settings.nearing:
-        return
-    ahead, behind = leaving(case, -1), leaving(case, 1)
-    apart = (ahead, "what is ahead"), (behind, "what is behind")
-    for own, words in ((ahead, "what is near"),) if ahead == behind else apart:
-        if own is None:
-            continue
-        if own.least is None:
+    yield from _leaving(case)
+
+
+def _leaving(case: Scenario) -> Iterator[str]:
+    settings, words = case.filter, {-1: "what is ahead", 1: "what is behind"}
+    for way, place in words.items():
+        if pull_away(case, way) <= 0:
             yield (
-                f"it can never leave {words} by commands: the limit away from it is too small for "
+                f"it can never leave {place} by commands: the limit away from it is too small for "
                 f"filter.d = {settings.d[0]:g} m/s and filter.gain"
             )
-        else:
+    if settings.nearing or (settings.kind == "clip" and settings.d[0]):
+        why = "filter.nearing uses up" if settings.nearing else "a clip does not count"
+        yield (
+            f"it leaves what is near only from {length(leaves_from(case))} on, as told, which it "
+            f"may roll or be come nearer when a command is let go: {why} what a held command gains"
+        )
+    elif any(settings.d):
+        found = {place: own for way, place in words.items() if (own := leaving(case, way))}
+        if len(found) == 2 and len({*found.values()}) == 1:
+            found = {"what is near": found[words[-1]]}
+        for place, own in found.items():
             yield (
-                f"to leave {words}, hold a command of at least {own.least:.3g} m/s away from it "
+                f"to leave {place}, hold a command of at least {own.least:.3g} m/s away from it "
                 f"(with the largest for {own.hold:.2g} s); it is known to stand {own.rest:.3g} s "
                 f"after it was told to stop, and a command let go too early rolls up to "
                 f"{length(own.roll)}"
@@ -117,12 +123,14 @@ def _times(case: Scenario) -> Iterator[str]:
         )
         return
     for axis, unit in enumerate(("m/s", "rad/s")):
-        rows = dict[float, list[str]]()
-        for before, after, time in times_inside(case, axis):
-            shown = f"{time:.3g}" if time < math.inf else "no time promised (filter.d)"
-            rows.setdefault(before, []).append(f"{after:.3g}: {shown}")
-        yield (
-            f"a limit lowered from one [{unit}] to another is kept from so many seconds after the "
-            "step that is told:"
-        )
-        yield from (f"from {before:.3g} to {', '.join(texts)}" for before, texts in rows.items())
+        ends = (case.limits.v_max[axis], ""), (-case.limits.v_min[axis], BACK[axis])
+        for limit, way in dict(reversed(ends)).items():
+            rows = dict[float, list[str]]()
+            for before, after, time in times_inside(case, axis, limit):
+                shown = f"{time:.3g}" if time < math.inf else "no time promised (filter.d)"
+                rows.setdefault(before, []).append(f"{after:.3g}: {shown}")
+            yield (
+                f"a limit lowered from one [{unit}] to another{way} is kept from so many seconds "
+                "after the step that is told:"
+            )
+            yield from (f"from {at:.3g} to {', '.join(texts)}" for at, texts in rows.items())

@@ -8,7 +8,10 @@ from tests.tables import changes
 from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.stop_numbers import (
     costs,
+    fastest,
+    leaves_from,
     leaving,
+    pull_away,
     rolls_back,
     smallest_window,
     stopping,
@@ -72,7 +75,7 @@ def test_prices_are_those_of_the_distance(changes):
 
 
 def test_no_time_is_promised_at_the_push_and_more_for_each_lower_limit():
-    rows = list(times_inside(SCENARIO, 0))
+    rows = list(times_inside(SCENARIO, 0, 1.0))
     assert len(rows) == 45
     assert time_inside(SCENARIO, 0, 1.0, 0.05) == math.inf
     assert time_inside(SCENARIO, 0, 1.0, 0.5) == pytest.approx(0.2741643, abs=1e-6)
@@ -86,9 +89,23 @@ def test_how_a_base_leaves():
     own = leaving(SCENARIO)
     assert own.roll == pytest.approx(0.05 * (1 - 0.2 * (1 - math.exp(-5))))
     assert own.least == pytest.approx(0.05 / 0.9)
-    slow = leaving(override(SCENARIO, changes("limits.v_min = [-0.1, -2]; limits.v_max = [1, 2]")))
-    assert slow.least is None
+    slow = override(SCENARIO, changes("limits.v_min = [-0.1, -2]; limits.v_max = [0.3, 2]"))
+    assert leaving(slow) is None
+    assert pull_away(slow) == pytest.approx(0.9 * 0.05 / 1.1 - 0.05)
+    assert pull_away(slow, 1) == pytest.approx(0.9 * 0.25 / 1.1 - 0.05)
+    assert fastest(slow) == 0.3
     assert leaving(override(SCENARIO, {"filter.d": [0, 0], "filter.rest": None})) is None
+
+
+@pytest.mark.parametrize("changes", [{"filter.nearing": 0.2}, RAMPS])
+def test_a_base_leaves_at_once_from_that_distance_alone(changes):
+    scenario = override(SCENARIO, {"filter.leave": 0, **changes})
+    for more in (1e-6, -1e-6):
+        told = {"measured": (0.0, 0.0), "free": (leaves_from(scenario) + more, 9.0), "dt": 0.05}
+        step = command_filter(scenario).step
+        for _ in range(80):
+            step((0.0, 0.0), **told)
+        assert (step((-0.4, 0.0), **told).command[0] < 0) is (more > 0)
 
 
 def test_what_a_push_rolls_back_during_a_stop():

@@ -43,7 +43,7 @@ def broken(found):
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-@pytest.mark.slow_but("0.1 to 0.15 s late", "two losses", "turning")
+@pytest.mark.slow_but("0.1 to 0.15 s late", "a loss, at once", "turning")
 def test_drives_neither_touch_nor_stay(name):
     found = mixed(Drives(FAMILIES[name]), 100, 3)
 

@@ -118,6 +118,12 @@ class Schedule:
         return max(1 - self.jitter - self.spread, 0.0)
 
     @property
+    def stops_alone(self) -> bool:
+        """True if the base may stop on its own between two commands that come in time."""
+        apart = (1 + self.losses) * (1 + self.jitter) + self.spread
+        return 0 < self.hold < apart - NEAR
+
+    @property
     def oldest(self) -> int:
         """Largest age of a command that may still act ``age`` before a sample."""
         age = 1

@@ -176,9 +176,11 @@ def shifted(before: Sequence[Port]) -> list[ca.SX]:
 
 
 def remembered(plans: Iterable[Schedule], scenario: Scenario) -> int:
-    """Number of commands that act while a free way was measured, or later."""
-    age = scenario.filter.free_age / scenario.clock.control
-    return max(replace(plan, age=max(plan.age, age)).oldest for plan in plans)
+    """Number of commands that act while a free way was measured, until the sample, or later."""
+    settings = scenario.filter
+    age = settings.free_age / scenario.clock.control if settings.free_error is not None else 0.0
+    oldest = (replace(plan, age=max(plan.age, age)).oldest for plan in plans)
+    return max(1 + settings.losses, *oldest)
 
 
 def whole_steps(plan: Schedule, T: Number, time: Number, more: float = -NEAR) -> Number:

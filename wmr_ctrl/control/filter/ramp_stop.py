@@ -77,7 +77,13 @@ class RampStopper(Clip, Watching):
     def _targets(self, place: int, axis: int) -> list[ca.SX]:
         """Steady speed to which each command that may act drives, the last one first."""
         pairs = zip(self.held_before, self.before, strict=True)
-        return [ca.if_else(h.sym, 0, self._target(place, axis, u.sym)) for h, u in pairs]
+        driven = [ca.if_else(h.sym, 0, self._target(place, axis, u.sym)) for h, u in pairs]
+        return [*driven, *self._stopped(place, axis)]
+
+    def _stopped(self, place: int, axis: int) -> list[ca.SX]:
+        """Steady speed of a base that stops on its own, if it may."""
+        b = self.channels[axis].sides[place]
+        return [b.dbar] if self.plans[axis].stops_alone else []
 
     def _target(self, place: int, axis: int, command: ca.SX) -> ca.SX:
         return (drive, drive_back)[place](command[axis], self.channels[axis].sides[place])
@@ -172,7 +178,8 @@ class RampStopper(Clip, Watching):
 
     def _most(self, place: int, axis: int) -> ca.SX:
         target = self._target(place, axis, self.safe)
-        bound = ca.fmax(0, ca.fmax(self.fastest[place][axis], target))
+        stopped = self._stopped(place, axis)
+        bound = largest([ca.SX(0), self.fastest[place][axis], target, *stopped])
         return ca.if_else(self.held, 0, bound)
 
     @cached_property

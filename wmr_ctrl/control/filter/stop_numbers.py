@@ -55,11 +55,10 @@ def stopping(scenario: Scenario, speed: float) -> Stopping:
     """Distance at which the governor still lets a base drive on straight at this speed [m/s]."""
     settings, error = scenario.filter, scenario.filter.free_error or 0.0
     if settings.decel is not None and settings.kind == "clip":
-        reaction, rest = _reaction(scenario, 0), settings.rest or 0.0
+        reaction = _reaction(scenario, 0)
         delay, slowed = speed * reaction, max(speed - settings.d[0], 0.0)
         brake = slowed * slowed / (2 * settings.decel[0])
-        nears = reaction + scenario.limits.v_max[0] / settings.decel[0] + rest
-        push = (1 + settings.leave) * settings.d[0] * rest + settings.nearing * nears
+        push = settings.leave * settings.d[0] * (settings.rest or 0.0) + _starting(scenario)
     else:
         stop, _ = stop_of(scenario, 0)
         delay = speed * (stop.last + stop.acts)
@@ -68,12 +67,33 @@ def stopping(scenario: Scenario, speed: float) -> Stopping:
     return Stopping(speed, delay + push + brake + error, delay, push, brake, error)
 
 
+def leaves_from(scenario: Scenario) -> float:
+    """Free distance [m], as told, from which on a base at rest leaves at once, without a hold."""
+    error = scenario.filter.free_error or 0.0
+    if scenario.filter.kind == "clip":
+        return error + _starting(scenario)
+    stop, _ = stop_of(scenario, 0)
+    return error + stop.roll + stop.nearing * stop.time
+
+
+def _starting(scenario: Scenario) -> float:
+    """Way [m] that a clip keeps for one release, and for what comes nearer meanwhile."""
+    settings, rest = scenario.filter, scenario.filter.rest or 0.0
+    slows = scenario.limits.v_max[0] / settings.decel[0] if settings.decel else 0.0
+    return settings.d[0] * rest + settings.nearing * (_reaction(scenario, 0) + slows + rest)
+
+
+def fastest(scenario: Scenario) -> float:
+    """Larger limit of v of both directions [m/s]."""
+    return max(scenario.limits.v_max[0], -scenario.limits.v_min[0])
+
+
 def costs(scenario: Scenario) -> dict[str, float]:
     """Distance [m] that one more millisecond of delay, per cent of tau and second of rest take.
 
-    At the largest speed forwards.
+    At the largest speed.
     """
-    settings, speed = scenario.filter, scenario.limits.v_max[0]
+    settings, speed = scenario.filter, fastest(scenario)
     whole = stopping(scenario, speed).distance
 
     def more(key: str, value: Intervals | Pair | float) -> float:
@@ -97,30 +117,39 @@ class Leaving:
     """How a base that the governor stopped is driven away.
 
     ``roll`` [m]: largest way of one release. ``least`` [m/s]: least command that drives away,
-    whatever pushes; None if the limit admits none. ``hold`` [s]: for how long the largest command
-    is to be held. ``rest`` [s]: until the base is known to stand.
+    whatever pushes. ``hold`` [s]: for how long the largest command is to be held. ``rest`` [s]:
+    until the base is known to stand.
     """
 
     roll: float
-    least: float | None
+    least: float
     hold: float
     rest: float
 
 
+def pull_away(scenario: Scenario, way: int = -1) -> float:
+    """Least speed [m/s] of the largest command away from what is before it (``way`` -1) or behind.
+
+    It can never leave by commands where that is not above 0.
+    """
+    (least, most), d = scenario.filter.intervals("gain")[0], scenario.filter.d[0]
+    V = scenario.limits.v_max[0] if way > 0 else -scenario.limits.v_min[0]
+    return least * (V - d) / most - d
+
+
 def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
-    """How a base leaves what is before it (``way`` -1) or behind it (1); None without a rest."""
-    settings, T = scenario.filter, scenario.clock.control
-    if settings.kind == "clip" or settings.rest is None:
+    """How a base leaves what is before it (``way`` -1) or behind it (1).
+
+    None where nothing holds it, without a rest, or where it never can.
+    """
+    settings, T, pull = scenario.filter, scenario.clock.control, pull_away(scenario, way)
+    if settings.kind == "clip" or settings.rest is None or pull <= 0:
         return None
     stop, plan = stop_of(scenario, 0)
-    (least_gain, most_gain), d = settings.intervals("gain")[0], stop.push
-    V = scenario.limits.v_max[0] if way > 0 else -scenario.limits.v_min[0]
-    pull = least_gain * (V - d) / most_gain - d
     rests = whole_steps(plan, T, settings.rest + plan.losses * (1 + plan.jitter) * T, NEAR)
-    if pull <= 0:
-        return Leaving(stop.roll, None, math.inf, rests * T)
-    steps = _commands(plan, T, stop.hold(pull))
-    return Leaving(stop.roll, d / least_gain, steps * T if d else 0.0, rests * T)
+    steps = _commands(plan, T, stop.hold(pull)) if stop.push else 0
+    least = stop.push / settings.intervals("gain")[0][0]
+    return Leaving(stop.roll, least, steps * T, rests * T)
 
 
 def rolls_back(scenario: Scenario) -> float:
@@ -172,10 +201,11 @@ def time_inside(scenario: Scenario, axis: int, before: float, after: float) -> f
     return surely + min(fades + plan.shortest * T, _commands(plan, T, fades) * latest)
 
 
-def times_inside(scenario: Scenario, axis: int) -> Iterator[tuple[float, float, float]]:
-    """Limits before and after [m/s, rad/s] and `time_inside` [s], for each tenth of the limit."""
-    largest = scenario.limits.v_max[axis]
+def times_inside(
+    scenario: Scenario, axis: int, limit: float
+) -> Iterator[tuple[float, float, float]]:
+    """Limits before and after [m/s, rad/s] and `time_inside` [s], for each tenth of a limit."""
     for higher in range(10, 1, -1):
         for lower in range(higher - 1, 0, -1):
-            before, after = largest * higher / 10, largest * lower / 10
+            before, after = limit * higher / 10, limit * lower / 10
             yield before, after, time_inside(scenario, axis, before, after)

@@ -90,8 +90,6 @@ class StoppingGovernor(Watching, Governor):
     @property
     def remembered(self) -> int:
         """Number of commands that the state holds, those while a distance was measured included."""
-        if self.scenario.filter.free_error is None:
-            return super().remembered
         return remembered(self.plans, self.scenario)
 
     def _stop(self, axis: int, tau: tuple[ca.SX, ca.SX]) -> Stop[ca.SX]:

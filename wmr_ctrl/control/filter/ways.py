@@ -149,16 +149,9 @@ class ToldBound(SpeedBound):
     still: Sequence[ca.SX] = ()
 
     @property
-    def stops_alone(self) -> bool:
-        """True if the base may stop on its own between two commands that come in time."""
-        plan = self.schedule
-        apart = (1 + plan.losses) * (1 + plan.jitter) + plan.delay[1] - plan.delay[0]
-        return 0 < plan.hold < apart - NEAR
-
-    @property
     def stopped(self) -> list[ca.SX]:
         """Steady speed of a base that stops on its own, if it may."""
-        if self.stops_alone:
+        if self.schedule.stops_alone:
             return super().stopped
         return [ca.if_else(self.punctual, -LARGEST, push) for push in super().stopped]
 
@@ -177,11 +170,11 @@ class ToldBound(SpeedBound):
     def cap(self, piece: Piece) -> ca.SX:
         """Bound of the speed in a piece by the commands that may act in it."""
         most = largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
-        return most if self.stops_alone else ca.if_else(self.punctual, most, self.bounds.V)
+        return most if self.schedule.stops_alone else ca.if_else(self.punctual, most, self.bounds.V)
 
     def _lifted(self, v: ca.SX, piece: Piece) -> ca.SX:
         """A bound of the speed that also holds if a brake closes in this piece."""
-        if self.stops_alone and self.still:
+        if self.schedule.stops_alone and self.still:
             return ca.fmax(v, 0)
         still = [self.still[age] for age in piece.ages if self.still]
         return ca.if_else(reduce(ca.logic_or, still), ca.fmax(v, 0), v) if still else v
@@ -200,8 +193,13 @@ class ToldBound(SpeedBound):
 
     @property
     def cap_now(self) -> ca.SX:
-        """Bound of the speed by the commands that may act at the sample."""
-        ages = [age for age in range(1, self.schedule.oldest + 1) if self.schedule.acts(age)]
+        """Bound of the speed by the commands that may act until the sample.
+
+        Where all others are lost, and none is late, the last one of these has ceased by then.
+        """
+        plan, lost = self.schedule, self.schedule.losses
+        ages = [age for age in range(1, max(plan.oldest, 1 + lost) + 1)
+                if age <= 1 + lost or plan.acts(age)]  # fmt: skip
         return self.cap(Piece(0.0, 0.0, tuple(ages)))
 
     def takeovers(self, v: ca.SX, targets: Sequence[ca.SX]) -> list[Reached[ca.SX]]:
