@@ -142,7 +142,10 @@ def _usable(scenario: Scenario, way: int) -> Pair:
     governor of wheels, whose weakest base is not known: the speed admitted without odometry, which
     is less.
     """
-    filtering, stated = CommandFilter(override(scenario, ON_THE_SPOT)), scenario.filter
+    stated, free = scenario.filter, dict[str, object](ON_THE_SPOT)
+    if stated.kind == "clip":  # it is told a rest with distances alone
+        free["filter.rest"] = None
+    filtering = CommandFilter(override(scenario, free))
     alone = stated.channels == "body" and stated.wheel_speed is None
     ends = [0.0, 0.0]
     for axis, limit in enumerate(scenario.limits.v_u1):
@@ -154,7 +157,7 @@ def _usable(scenario: Scenario, way: int) -> Pair:
         else:
             sent = [filtering.step(asked).command for _ in range(_steps(scenario))][-1]
             ends[axis] = stated.intervals("gain")[axis][0] * way * sent[axis] - stated.d[axis]
-    return ends[0], ends[1]
+    return ends[0] + 0.0, ends[1] + 0.0  # no -0.0
 
 
 def hears(scenario: Scenario) -> bool:
