@@ -7,15 +7,12 @@ velocities that came, who is then heard on /cmd_vel_monitored, and the exit code
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import rclpy
-from geometry_msgs.msg import TwistStamped
-from outside import PATIENCE, SURE, tell
+from outside import PATIENCE, World, missing, tell
 
 MONITORED = "/cmd_vel_monitored"
 
@@ -26,22 +23,19 @@ def main(scenario, rows):
     for name, text in given["files"].items():
         Path(name).write_text(text, "utf-8")
     rclpy.init()
-    node, seen, found = rclpy.create_node("reader"), [], []
-
-    def came(message):
-        seen.append([message.twist.linear.x, message.twist.angular.z])
-
+    found = []
     for words in given["commands"]:
         process = subprocess.Popen([sys.executable, "-m", "wmr_ctrl.ros2", *words])
-        reader = node.create_subscription(TwistStamped, "cmd_vel", came, SURE)
-        seen.clear()
-        end = time.monotonic() + PATIENCE
-        while len(seen) < 3 and time.monotonic() < end and process.poll() is None:
-            rclpy.spin_once(node, timeout_sec=0.1)
-        heard = node.count_subscribers(MONITORED)
-        process.send_signal(signal.SIGINT)
-        found.append([seen[:3], heard, process.wait(PATIENCE)])
-        node.destroy_subscription(reader)  # a late zero is not the next node's
+        world = World(process)
+
+        def enough(world=world):
+            return len(world.seen) >= 3 or world.process.poll() is not None
+
+        world.go(PATIENCE, enough, spoil=missing, command=False)
+        velocities = [sent for _, *sent in world.seen[:3]]
+        heard = world.node.count_subscribers(MONITORED)
+        found.append([velocities, heard, world.interrupted()[1]])
+        world.node.destroy_node()  # a late zero is not the next node's
     tell(found)
 
 

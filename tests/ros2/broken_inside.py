@@ -10,9 +10,7 @@ import threading
 import time
 
 import rclpy
-from drive_live import Base
-from geometry_msgs.msg import TwistStamped
-from outside import KEPT, ON_THE_WAY, PATIENCE, SOON, SURE, quiet, tell
+from outside import ON_THE_WAY, PATIENCE, SOON, Base, World, quiet, tell
 from rcl_interfaces.msg import Log
 from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import Bool
@@ -32,78 +30,68 @@ def breaks(*_given, **_named):
     raise RuntimeError("broken inside")
 
 
-class Beside(Base):
-    """Base, planner and reader of the log."""
+def log_of(base):
+    """What the node of a base writes as fatal, as it comes."""
+    log = []
 
-    def __init__(self, name):
-        super().__init__()
-        self.name, self.log = name, []
-        self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
-        self.stop = self.node.create_publisher(Bool, f"wmr_{name}/stop", KEPT)
-        self.reset = self.node.create_client(Trigger, f"wmr_{name}/reset")
-        self.node.create_subscription(Log, "/rosout", self._logged, 100)
+    def logged(message):
+        if message.level == 50 and message.name == base.name:
+            log.append(message.msg)
 
-    def _logged(self, message):
-        if message.level == 50 and message.name == f"wmr_{self.name}":
-            self.log.append(message.msg)
+    base.node.create_subscription(Log, "/rosout", logged, 100)
+    return log
 
-    def spoil(self, message):
-        """Send a command with each odometry."""
-        if self.name == "filter":
-            command = TwistStamped(header=message.header)
-            command.header.frame_id = ""
-            command.twist.linear.x = 0.3
-            self.commands.publish(command)
-        return True
 
-    def fault(self, node, called):
-        """What is seen while something raises, and whether the base drives when it does not."""
-        if not self.go(PATIENCE, lambda: self.speed[0] > 0.1):
-            raise SystemExit(f"the base never drove before {called}: {self.said[-3:]}")
-        owner = node.core if hasattr(node.core, called) else node
-        setattr(owner, called, breaks)
-        if called == "send":  # what was sent before has come
-            self.seen.clear()
-            self.go(PATIENCE, quiet(self.seen))
-        self.go(ON_THE_WAY)
-        for kept in (self.seen, self.log, self.said):
-            kept.clear()
-        self.stop.publish(Bool(data=called == "halt"))
-        answer = self.reset.call_async(Trigger.Request()) if called == "reset" else None
-        untold = called == "details"  # of which diagnostics are made
+def fault(base, log, node, called):
+    """What is seen while something raises, and whether the base drives when it does not."""
+    if not base.go(PATIENCE, base.drives):
+        raise SystemExit(f"the base never drove before {called}: {base.said[-3:]}")
+    reset = base.node.create_client(Trigger, f"{base.name}/reset")
+    owner = node.core if hasattr(node.core, called) else node
+    setattr(owner, called, breaks)
+    if called == "send":  # what was sent before has come
+        base.seen.clear()
+        base.go(PATIENCE, quiet(base.seen))
+    base.go(ON_THE_WAY)
+    for kept in (base.seen, log, base.said):
+        kept.clear()
+    base.stop.publish(Bool(data=called == "halt"))
+    answer = reset.call_async(Trigger.Request()) if called == "reset" else None
+    untold = called == "details"  # of which diagnostics are made
 
-        def done():
-            zero = called == "send" or any(v == 0.0 for _, v in self.seen)
-            return zero and bool(self.log) and (untold or any("broken" in s for s in self.said))
+    def done():
+        zero = called == "send" or any(v == 0.0 for _, v, _ in base.seen)
+        return zero and bool(log) and (untold or base.told("broken"))
 
-        told = self.go(PATIENCE, done)
-        self.go(ON_THE_WAY)
-        delattr(owner, called)
-        found = {
-            "told": told, "log": self.log[:1], "zero": any(v == 0.0 for _, v in self.seen),
-            "sent": len(self.seen), "answer": None,
-        }  # fmt: skip
-        if answer is not None:
-            self.go(PATIENCE, answer.done)
-            found["answer"] = [answer.result().success, answer.result().message]
-        self.stop.publish(Bool(data=False))
-        if called == "halt":  # what must stop stays so until a reset
-            self.seen.clear()
-            self.go(1.0)
-            self.go(PATIENCE, lambda: bool(self.seen))
-            found["stays"] = all(v == 0.0 for _, v in self.seen)
-            self.go(PATIENCE, self.reset.call_async(Trigger.Request()).done)
-        self.speed = (0.0, 0.0) if called == "send" else self.speed  # a base's own time-out
-        self.seen.clear()
-        self.go(ON_THE_WAY)
-        return found | {"drives on": self.go(PATIENCE, lambda: self.speed[0] > 0.1)}
+    told = base.go(PATIENCE, done)
+    base.go(ON_THE_WAY)
+    delattr(owner, called)
+    found = {
+        "told": told, "log": log[:1], "zero": any(v == 0.0 for _, v, _ in base.seen),
+        "sent": len(base.seen), "answer": None,
+    }  # fmt: skip
+    if answer is not None:
+        base.go(PATIENCE, answer.done)
+        found["answer"] = [answer.result().success, answer.result().message]
+    base.stop.publish(Bool(data=False))
+    if called == "halt":  # what must stop stays so until a reset
+        base.seen.clear()
+        base.go(1.0)
+        base.go(PATIENCE, lambda: bool(base.seen))
+        found["stays"] = all(v == 0.0 for _, v, _ in base.seen)
+        base.go(PATIENCE, reset.call_async(Trigger.Request()).done)
+    if called == "send":
+        base.rest()
+    base.seen.clear()
+    base.go(ON_THE_WAY)
+    return found | {"drives on": base.go(PATIENCE, base.drives)}
 
 
 def main(scenario, name):
     own = {"drive": "law:=kanayama", "filter": "odometry:=required"}
     given = [part for item in (f"scenario:={scenario}", own[name], SOON) for part in ("-p", item)]
     rclpy.init(args=["--ros-args", *given])
-    node = (DriveNode if name == "drive" else FilterNode)()
+    node, kind = (DriveNode(), Base) if name == "drive" else (FilterNode(), World)
     node.trigger_configure()
     node.trigger_activate()
     executor, ended = SingleThreadedExecutor(), threading.Event()
@@ -115,8 +103,9 @@ def main(scenario, name):
 
     thread = threading.Thread(target=spin, daemon=True)
     thread.start()
-    base = Beside(name)
-    found = {called: base.fault(node, called) for called in CALLED[name]}
+    base = kind()
+    log = log_of(base)
+    found = {called: fault(base, log, node, called) for called in CALLED[name]}
     found["alive"] = thread.is_alive()
     ended.set()
     thread.join(5.0)

@@ -6,28 +6,14 @@ seen as JSON.
 """
 
 import math
-import signal
 import subprocess
 import sys
-import time
+from functools import partial
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, TwistStamped
-from lifecycle_msgs.msg import Transition
-from nav_msgs.msg import Odometry, Path
-from outside import (
-    KEPT,
-    PATIENCE,
-    RATE,
-    SURE,
-    Kept,
-    has_changed,
-    has_set,
-    launch,
-    spin_for,
-    tell,
-)
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from outside import KEPT, PATIENCE, Base, has_changed, has_set, start_drive, tell
 
 TWIN = """
 import time, rclpy
@@ -39,84 +25,24 @@ print("there", flush=True)
 time.sleep(600)
 """
 """Somebody who publishes under the name of the node."""
+CONFIGURE, CLEAN_UP, ACTIVATE, DEACTIVATE = 1, 2, 3, 4
 PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
 
 
-class Base(Kept):
-    """Odometry each ``period`` [s], of a base that moves as it is told."""
+class Follower(Base):
+    """A base with a planner, which may forget what was told."""
 
-    period = RATE
+    cruise = 0.15
 
-    def __init__(self):
-        self.node = rclpy.create_node("base")
-        self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
+    def __init__(self, process):
+        super().__init__(process)
         self.path = self.node.create_publisher(Path, "path", KEPT)
-        self.node.create_subscription(TwistStamped, "cmd_vel", self._came, SURE)
-        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
-        self.pose, self.speed = [0.0, 0.0, 0.0], (0.0, 0.0)
-        self.seen = []
-        self.pause = 0.0
-        """Longest pause between two messages [s]."""
-        self.said = []
         self.since = 0
         """Stamp [ns] before which what diagnostics say does not count."""
-        self.values = {}
-        self.flags = []
-        """All that the node last told, where ``said`` has the gravest: a busy machine is late."""
-
-    def _came(self, message):
-        self.speed = message.twist.linear.x, message.twist.angular.z
-        self.seen.append((time.monotonic(), self.speed[0]))
 
     def _told(self, message):
-        stamp = message.header.stamp
-        if rclpy.time.Time.from_msg(stamp).nanoseconds < self.since:
-            return
-        self.said += [status.message for status in message.status]
-        for status in message.status:
-            self.values = {value.key: value.value for value in status.values}
-            self.flags = self.values["flags"].split(", ")
-
-    def stamp(self):
-        """Time of the odometry that is sent next."""
-        return self.node.get_clock().now().to_msg()
-
-    @staticmethod
-    def spoil(_message):
-        """Change odometry before it is sent; whether it is sent."""
-        return True
-
-    def move(self):
-        """Take the speed that a period leads to: what was commanded is there at once."""
-
-    def go(self, seconds, until=lambda: False):
-        """Move and send odometry; True where ``until`` came true."""
-        end = time.monotonic() + seconds
-        before = time.monotonic()
-        while time.monotonic() < end and not until():
-            self.pause = max(self.pause, time.monotonic() - before)
-            before = time.monotonic()
-            self.move()
-            x, y, yaw = self.pose
-            way, turn = self.period * self.speed[0], yaw + self.period * self.speed[1]
-            self.pose = [x + way * math.cos(yaw), y + way * math.sin(yaw), turn]
-            message = Odometry(child_frame_id="base_link")
-            message.header.stamp = self.stamp()
-            message.header.frame_id = "odom"
-            message.pose.pose.position.x, message.pose.pose.position.y = self.pose[:2]
-            message.pose.pose.orientation.z = math.sin(turn / 2)
-            message.pose.pose.orientation.w = math.cos(turn / 2)
-            message.twist.twist.linear.x, message.twist.twist.angular.z = self.speed
-            if self.spoil(message):
-                self.odometry.publish(message)
-            spin_for(self.node, self.period)
-        return until()
-
-    def ended(self, process):
-        """The last command and the exit code of a node that was interrupted."""
-        self.go(PATIENCE, lambda: process.poll() is not None)
-        self.go(PATIENCE, lambda: bool(self.seen) and self.seen[-1][1] == 0.0)
-        return [self.seen[-1][1], process.poll()]
+        if rclpy.time.Time.from_msg(message.header.stamp).nanoseconds >= self.since:
+            super()._told(message)
 
     def forget(self):
         """What was told, and what was told but not yet read."""
@@ -134,71 +60,61 @@ class Base(Kept):
         self.path.publish(message)
 
 
-def start(scenario, *more, looks=0.0):
-    given = [f"scenario:={scenario}", "law:=kanayama", "reference:=path", *more]
-    return launch("drive", *given, f"discovery_time:={looks}")
+def lives(base, start):
+    """What is seen of a node that is configured, given a path, frozen, killed and started."""
+    changed = partial(has_changed, base.node, "wmr_drive")
+    set_to = partial(has_set, base.node, "wmr_drive")
+    found = {"transitions": [*map(changed, (CONFIGURE, ACTIVATE, DEACTIVATE, CLEAN_UP))]}
+    found["set after cleanup"] = [set_to("rise", [9.0, 9.0]), set_to("rise", [1.0, 2.0])]
+    found["transitions"] += map(changed, (CONFIGURE, ACTIVATE))
+    found["set"] = [set_to("law", "pid"), set_to("rise", [9.0, 9.0])]
+    base.go(PATIENCE, lambda: base.said[-1:] == ["no-path"])
+    found["before a path"] = base.said[-1]
+    base.follow(PATH, "map")
+    base.go(0.5)
+    found["path in map"] = base.said[-1]
+    base.follow(PATH)
+    # a busy machine is late, which is graver and told alone
+    found["arrived"] = base.go(PATIENCE, lambda: "arrived" in base.details[-1]["flags"])
+    found["off"] = math.dist(base.pose[:2], PATH[-1])
+    base.follow([(x + 1.5, y + 0.1) for x, y in PATH])
+    base.go(PATIENCE, base.drives)
+    found["while frozen"] = base.frozen()
+    base.go(PATIENCE, lambda: len(base.seen) >= 3)
+    found["thawed"] = [row[1] for row in base.seen][:3]
+    found["goes on"] = base.go(PATIENCE, base.drives)
+    base.follow([])  # nor does a path wait for the next life
+    return found | base.killed(start)
+
+
+def others(base, start):
+    """What is said of a second node, which is refused, and of a twin that dies."""
+    third = start(looks=60.0)
+    base.go(PATIENCE, lambda: third.poll() is not None)
+    found = {"refused": third.poll()}
+    third.kill()
+    base.forget()
+    base.go(PATIENCE, lambda: bool(base.said) and "own name" not in base.said[-1])
+    with subprocess.Popen([sys.executable, "-c", TWIN], stdout=subprocess.PIPE) as twin:
+        twin.stdout.readline()
+        base.forget()
+        found["twin"] = base.go(PATIENCE, lambda: base.told("own name"))
+        twin.kill()
+    base.forget()
+    base.go(PATIENCE, lambda: len(base.said) > 1)
+    return found | {"ghost": base.said}
 
 
 def main(scenario):
-    process = start(scenario, "autostart:=false")
+    start = partial(start_drive, scenario, "reference:=path")
+    process = start("autostart:=false")
     rclpy.init()
-    base, found = Base(), {}
-    second = third = process
+    base = Follower(process)
     try:
-        steps = [
-            Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE,
-            Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_CLEANUP,
-            Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE,
-        ]  # fmt: skip
-        found["transitions"] = [has_changed(base.node, "wmr_drive", step) for step in steps]
-        found["set"] = {
-            name: has_set(base.node, "wmr_drive", name, value)
-            for name, value in (("law", "pid"), ("rise", [9.0, 9.0]))
-        }
-        base.go(PATIENCE, lambda: bool(base.said) and base.said[-1] == "no-path")
-        found["before a path"] = base.said[-1]
-        base.follow(PATH, "map")
-        base.go(0.5)
-        found["path in map"] = base.said[-1]
-        base.follow(PATH)
-        found["arrived"] = base.go(PATIENCE, lambda: "arrived" in base.flags)
-        found["off"] = math.dist(base.pose[:2], PATH[-1])
-        back = [(x + 1.5, y + 0.1) for x, y in PATH]
-        base.follow(back)
-        base.go(PATIENCE, lambda: base.speed[0] > 0.15)
-        process.send_signal(signal.SIGSTOP)
-        found["while frozen"] = base.count_after_quiet(0.6)
-        process.send_signal(signal.SIGCONT)
-        base.go(PATIENCE, lambda: len(base.seen) >= 3)
-        found["thawed"] = [v for _, v in base.seen][:3]
-        found["goes on"] = base.go(PATIENCE, lambda: base.speed[0] > 0.15)
-        process.kill()
-        process.wait()
-        found["after the kill"] = base.count_after_quiet(0.5)
-        base.speed = 0.0, 0.0  # a base's own time-out
-        base.follow([])  # nor does a path wait for the next life
-        process = start(scenario)
-        base.go(PATIENCE, lambda: len(base.seen) > 20)
-        found["next life"] = max(abs(v) for _, v in base.seen)
-        third = start(scenario, looks=60.0)
-        base.go(PATIENCE, lambda: third.poll() is not None)
-        found["refused"] = third.poll()
-        base.forget()
-        base.go(PATIENCE, lambda: bool(base.said) and "own name" not in base.said[-1])
-        second = subprocess.Popen([sys.executable, "-c", TWIN], stdout=subprocess.PIPE)
-        second.stdout.readline()
-        base.forget()
-        found["twin"] = base.go(PATIENCE, lambda: any("own name" in text for text in base.said))
-        second.kill()
-        second.wait()
-        base.forget()
-        base.go(PATIENCE, lambda: len(base.said) > 1)
-        found["ghost"] = base.said
-        process.send_signal(signal.SIGINT)
-        found["interrupt"] = base.ended(process)
+        found = lives(base, start) | others(base, start)
+        found["interrupt"] = base.interrupted()
     finally:
-        for started in (process, second, third):
-            started.kill()
+        base.process.kill()
     tell(found)
 
 

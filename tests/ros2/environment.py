@@ -17,8 +17,8 @@ WHEELS = ("rclpy[fastrtps]", "geometry-msgs", "nav-msgs", "std-msgs", "diagnosti
           "lifecycle-msgs", "rosgraph-msgs", "sensor-msgs", "std-srvs")  # fmt: skip
 AMENT = ("ament-cmake", "ament-package", "ament-cmake-include-directories")
 WANTED = (*(f"ros-jazzy-{name}" for name in (*WHEELS, *AMENT)), "cmake", "colcon-cmake",
-          "colcon-core", "colcon-ros", "cyclonedds")  # fmt: skip
-"""ROS 2, what builds its packages, and another vendor's DDS."""
+          "colcon-core", "colcon-ros")  # fmt: skip
+"""ROS 2, and what builds its packages."""
 
 
 def made(where):

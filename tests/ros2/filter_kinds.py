@@ -1,8 +1,8 @@
 """Kinds of messages and of odometry around the filter, over DDS; run by a Python that has rclpy.
 
 ``python filter_kinds.py SCENARIO KIND [NODE]``: KIND "twist" sends commands without stamps by a
-process of its own, which is killed; "watched" takes odometry away; "governor" tells what the filter
-says of odometry that is there, and of none.  What was seen is printed as JSON.
+process of its own, which is killed; "governor" tells what the filter says of odometry that is
+there, and of none.  What was seen is printed as JSON.
 """
 
 import subprocess
@@ -11,7 +11,7 @@ import time
 
 import rclpy
 from geometry_msgs.msg import Twist
-from outside import PATIENCE, SURE, World, silence, start, tell
+from outside import PATIENCE, SURE, World, missing, silence, start, tell
 
 SENDER = """
 import time, rclpy
@@ -25,20 +25,6 @@ while True:
     publisher.publish(message)
     time.sleep(0.02)
 """
-
-
-class Teller(World):
-    """A world that keeps the flags of each diagnostic message."""
-
-    def __init__(self, process):
-        super().__init__(process)
-        self.flags = []
-
-    def _told(self, message):
-        super()._told(message)
-        for status in message.status:
-            told = {value.key: value.value for value in status.values}["flags"]
-            self.flags.append(told.split(", "))
 
 
 def unstamped(process):
@@ -67,38 +53,30 @@ def unstamped(process):
     return {"driven": driven, "drives": drives, "rests": rests, "zero": zero, "silence": stood}
 
 
-def watched(process):
-    """Odometry that goes away and is only watched."""
-    world = Teller(process)
-    world.drive()
-    return world.fault(measure=False, rests=False, word="no-odometry")
-
-
 def governed(process):
     """Flags of four messages or more while the base drives with odometry and without.
 
     With odometry until it was used, since a busy machine's is too old at times.
     """
-    world, found = Teller(process), {}
-    for name, measure in (("with", None), ("without", False)):
-        world.go(PATIENCE, measure=measure, until=lambda: world.speed[0] > 0.49)
-        world.flags.clear()
-        world.go(PATIENCE, measure=measure, until=lambda: len(world.flags) >= 2)
-        world.flags.clear()  # what is told from now on is of this odometry
+    world, found = World(process), {}
+    for name, spoil in (("with", None), ("without", missing)):
+        world.go(PATIENCE, lambda: world.speed[0] > 0.49, spoil=spoil)
+        world.details.clear()
+        world.go(PATIENCE, lambda: len(world.details) >= 2, spoil=spoil)
+        world.details.clear()  # what is told from now on is of this odometry
 
         def enough(used=name == "with"):
-            told = [flags for flags in world.flags if "unused" not in flags]
-            return len(world.flags) >= 4 and bool(told or not used)
+            told = any("unused" not in item["flags"] for item in world.details)
+            return len(world.details) >= 4 and (told or not used)
 
-        world.go(PATIENCE, measure=measure, until=enough)
-        found[name] = list(world.flags)
-    return found
+        world.go(PATIENCE, enough, spoil=spoil)
+        found[name] = [item["flags"].split(", ") for item in world.details]
+    return found | {"drives": world.speed[0] > 0.49}
 
 
-KINDS = {"twist": unstamped, "watched": watched, "governor": governed}
+KINDS = {"twist": unstamped, "governor": governed}
 SETTINGS = {
     "twist": ["stamped:=false", "odometry:=none"],
-    "watched": ["odometry:=watched"],
     "governor": ["odometry:=watched"],
 }
 

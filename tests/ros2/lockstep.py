@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl import simulate
 from wmr_ctrl.core.fields.section import Section, quantity
 from wmr_ctrl.core.signals import MEASURED, POSE
@@ -17,8 +18,8 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import load_scenario
 
 THETA = MEASURED[2]
-START = 5_000_000_000
-"""Stamp [ns] of the first message."""
+START = 100_000_000_000
+"""Stamp [ns] of the first message, late enough for a clock that runs before it."""
 
 
 def orientation(theta):
@@ -61,28 +62,25 @@ def carried_run(changes, law):
         return simulate(load_scenario("paper-simulation", {**changes, "message.sent": 1.0}), law)
 
 
-COMMON = {"clock.duration": 3.0, "disturbance.std": 0.0}
-SMALL = {
-    "robot.m": 1.0, "robot.I": 0.003, "robot.mu": 0.02, "robot.r": 0.033, "robot.l": 0.08,
-    "limits.v_u1": [0.22, 2.84], "limits.v_u2": [0.17, 2.2], "initial.pose": [0.0, -0.3, -0.7],
-    "reference.radius": 0.8, "reference.rate": 0.2,
-    "base.kind": "velocity", "base.tau": [0.1, 0.1], "base.gain": [0.97, 1.03],
-    "filter.tau": [0.06, 0.15], "filter.gain": [0.95, 1.05], "filter.d": [0.005, 0.05],
-    "filter.odometry": [0.005, 0.05],
-}  # fmt: skip
+COMMON = changes("clock.duration = 3.0; disturbance.std = 0.0")
+SMALL = """
+robot.m = 1.0; robot.I = 0.003; robot.mu = 0.02; robot.r = 0.033; robot.l = 0.08
+limits.v_u1 = [0.22, 2.84]; limits.v_u2 = [0.17, 2.2]; initial.pose = [0.0, -0.3, -0.7]
+reference.radius = 0.8; reference.rate = 0.2
+base.kind = "velocity"; base.tau = [0.1, 0.1]; base.gain = [0.97, 1.03]
+filter.tau = [0.06, 0.15]; filter.gain = [0.95, 1.05]; filter.d = [0.005, 0.05]
+filter.odometry = [0.005, 0.05]
+"""
+GOVERNED = """
+filter.kind = "governor"; clock.control = 0.05; base.delay = 0.02; filter.delay = [0.01, 0.03]
+"""
 BASES = {
-    "velocity, governor": ("kanayama", {
-        **SMALL, "filter.kind": "governor", "clock.control": 0.05, "base.delay": 0.02,
-        "filter.delay": [0.01, 0.03],
-    }),
-    "velocity, clip, observer": ("prox", {
-        **SMALL, "filter.kind": "clip", "clock.control": 0.02,
-    }),
-    "velocity, governor, observer": ("prox", {
-        **SMALL, "filter.kind": "governor", "clock.control": 0.05, "base.delay": 0.02,
-        "filter.delay": [0.01, 0.03],
-    }),
-    "efforts, guard": ("mb", {"guard.enabled": True, "disturbance.truncate": 3.0}),
+    "velocity, governor": ("kanayama", changes(SMALL + GOVERNED)),
+    "velocity, clip, observer": (
+        "prox", changes(f"{SMALL} filter.kind = 'clip'; clock.control = 0.02"),
+    ),
+    "velocity, governor, observer": ("prox", changes(SMALL + GOVERNED)),
+    "efforts, guard": ("mb", changes("guard.enabled = true; disturbance.truncate = 3.0")),
 }  # fmt: skip
 
 

@@ -1,9 +1,7 @@
-"""Faults around the filter node, from outside over DDS; run by a Python that has rclpy.
+"""What stands around a node over DDS, seen from outside; imported by scripts that rclpy runs.
 
-``python outside.py SCENARIO [NODE]`` starts the node (that in Python, or the program NODE), plays
-base and planner, breaks one thing after the other and prints what was seen as JSON: per fault the
-largest command, when it began to fall and when it was zero [s after the fault], the longest silence
-of the node, and what diagnostics said.  A fault in which this process was late itself is repeated.
+A base that does at once what it is told and says so in odometry, with a planner beside it for the
+filter; faults of both, and what a node did about them.
 """
 
 import json
@@ -13,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from copy import deepcopy
 from itertools import pairwise
 
 import rclpy
@@ -24,6 +23,7 @@ from nav_msgs.msg import Odometry
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
@@ -39,10 +39,10 @@ PUNCTUAL = 0.04
 """Delay of a message of this process [s] that is no fault of its own."""
 ATTEMPTS = 40
 """At most so often a fault is made anew in which this process was late."""
-BEFORE = math.inf
-"""Age of a message that is stamped just before the last one, however long ago that came."""
 LASTS = 0.9
 """Time of a fault [s], longer than any time-out and the ramp after it."""
+AWAITED = 10.0
+"""Time [s] in which what follows a leap is there, else it is made again."""
 MANY = 7
 """Zeros in a row by which they are known to go on."""
 ON_THE_WAY = 0.2
@@ -51,146 +51,323 @@ QUIET = 0.5
 """Silence [s] of somebody who is known to be at rest: many of his ticks."""
 PATIENCE = 120.0
 """Time [s] in which what must come is there, also on a machine that is very busy."""
+OLDER = 75_000_000
+"""Age [ns] of a message that is older than the one before it, so that a slow reader misses that."""
 
 
-class Kept:
-    """What came from a node: ``seen``, rows that begin with a time, and ``said``."""
+class Base:
+    """A base that does at once what it is told.
+
+    What came from its node is kept: ``seen``, rows of a time and what was commanded, ``said``, the
+    sentences of diagnostics, and ``details``, all that they held.
+    """
+
+    name, period, cruise = "wmr_drive", RATE, 0.25
+    """Of the node; time between messages [s]; speed [m/s] at which it is known to drive."""
+
+    def __init__(self, process=None, simulated=False):
+        self.process, self.simulated = process, simulated
+        self.node = rclpy.create_node("outside")
+        self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
+        self.clock = self.node.create_publisher(Clock, "/clock", SURE)
+        self.stop = self.node.create_publisher(Bool, f"{self.name}/stop", KEPT)
+        self.node.create_subscription(TwistStamped, "cmd_vel", self._came, SURE)
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
+        self.pose, self.speed = [0.0, 0.0, 0.0], (0.0, 0.0)
+        self.seen, self.said, self.details = [], [], []
+        self.time, self.rate = 1_000_000_000_000, 1.0
+        self.before = 0.0
+        """Speed before a fault [m/s]."""
+        self.pause = 0.0
+        """Longest pause between two rounds of messages [s]."""
+
+    def _came(self, message):
+        self.speed = message.twist.linear.x, message.twist.angular.z
+        self.seen.append((time.monotonic(), *self.speed))
+
+    def _told(self, message):
+        for status in message.status:
+            self.said.append(status.message)
+            self.details.append({item.key: item.value for item in status.values})
 
     def told(self, word):
         """Whether diagnostics have a word."""
         return any(word in text for text in self.said)
 
-    def count_after_quiet(self, seconds, **how):
-        """Commands that come in a time [s] after those that were on their way have come."""
-        self.seen.clear()
-        self.go(PATIENCE, until=quiet(self.seen), **how)
-        self.seen.clear()
-        self.go(seconds, **how)
-        return len(self.seen)
+    def stamp(self, ago=0.0):
+        """Time of a message of an age [s]."""
+        now = self.time if self.simulated else self.node.get_clock().now().nanoseconds
+        return stamp_of(now - round(ago * 1e9))
 
+    def move(self):
+        """Take the pose and speed that a period leads to."""
+        x, y, yaw = self.pose
+        way, turn = (self.period * speed for speed in self.speed)
+        self.pose = [x + way * math.cos(yaw), y + way * math.sin(yaw), yaw + turn]
 
-class World(Kept):
-    """Planner and base of the node: what they send can be changed, what comes back is kept."""
+    def round(self, spoil=None):
+        """What is sent each period; ``spoil`` changes odometry, which is not sent if False."""
+        if self.simulated:
+            self.time += round(1e9 * self.period * self.rate)
+            self.clock.publish(Clock(clock=self.stamp()))
+        self.move()
+        x, y, yaw = self.pose
+        turn = 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+        self.publish(self.odometry, odometry_of(self.stamp(), (x, y), turn, self.speed), spoil)
 
-    def __init__(self, process):
-        self.process = process
-        self.node = rclpy.create_node("outside")
-        self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
-        self.odometry = self.node.create_publisher(Odometry, "odom", SURE)
-        self.stop = self.node.create_publisher(Bool, "wmr_filter/stop", KEPT)
-        self.node.create_subscription(TwistStamped, "cmd_vel", self._sent, SURE)
-        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._told, 10)
-        self.seen = []
-        self.said = []
-        self.speed = (0.0, 0.0)
-        self.pause = 0.0
-        """Longest pause between two rounds of messages [s]."""
-        self.sent = {"command": 0, "odometry": 0}
-        """Stamp of the last message of each kind [ns]."""
+    def publish(self, publisher, message, spoil):
+        """Send a message that ``spoil`` has changed; an older one before it where it says so."""
+        changed = spoil(message) if spoil else None
+        if changed is not None and changed is not False:
+            publisher.publish(changed)
+            time.sleep(0.004)  # in which the node reads it
+        if changed is not False:
+            publisher.publish(message)
 
-    def _sent(self, message):
-        self.speed = message.twist.linear.x, message.twist.angular.z
-        self.seen.append((time.monotonic(), *self.speed))
-
-    def _told(self, message):
-        self.said += [status.message for status in message.status]
-
-    def command(self, v=0.5, omega=0.3, ago=0.0, frame=""):
-        message = TwistStamped()
-        message.header.stamp = self._stamp_of("command", ago)
-        message.header.frame_id = frame
-        message.twist.linear.x, message.twist.angular.z = v, omega
-        self.commands.publish(message)
-
-    def measure(self, v=None, ago=0.0, frame="base_link", w=1.0):
-        message = Odometry(child_frame_id=frame)
-        message.header.stamp = self._stamp_of("odometry", ago)
-        message.pose.pose.orientation.w = w
-        message.twist.twist.linear.x = self.speed[0] if v is None else v
-        message.twist.twist.angular.z = self.speed[1]
-        self.odometry.publish(message)
-
-    def _stamp_of(self, kind, ago):
-        """Stamp of a message of an age."""
-        if ago == BEFORE:
-            return rclpy.time.Time(nanoseconds=self.sent[kind] - 1_000_000).to_msg()
-        stamp = self._stamp(ago)
-        self.sent[kind] = rclpy.time.Time.from_msg(stamp).nanoseconds
-        return stamp
-
-    def _stamp(self, ago):
-        now = self.node.get_clock().now().nanoseconds - round(ago * 1e9)
-        return rclpy.time.Time(nanoseconds=now).to_msg()
-
-    def go(self, seconds, command=None, measure=None, until=lambda: False):
-        """Send both at their rate; None: as in a sound world, False: nothing."""
-        end = time.monotonic() + seconds
-        before = time.monotonic()
+    def go(self, seconds, until=lambda: False, **how):
+        """Send rounds; True where ``until`` came true."""
+        end, before = time.monotonic() + seconds, time.monotonic()
         while time.monotonic() < end and not until():
             self.pause = max(self.pause, time.monotonic() - before)
             before = time.monotonic()
-            if command is not False:
-                (command or self.command)()
-            if measure is not False:
-                (measure or self.measure)()
-            spin_for(self.node, RATE)
+            self.round(**how)
+            spin_for(self.node, self.period)
+        return until()
+
+    def drives(self):
+        return self.speed[0] > self.cruise
 
     def drive(self):
-        """A sound world until the base drives."""
-        self.go(PATIENCE, until=lambda: abs(self.speed[0] - 0.5) < 1e-6)
-        if abs(self.speed[0] - 0.5) > 1e-6:
-            raise SystemExit(f"the base never drove: {self.speed}, {self.said[-1:]}")
+        """A sound world until the base has driven for a while, and still does."""
+        for _ in range(ATTEMPTS):
+            if self.go(PATIENCE, self.drives) and not self.go(0.3) and self.drives():
+                return
+        raise SystemExit(f"the base never drove: {self.speed}, {self.said[-3:]}")
 
-    def ended(self):
-        """The last command and the exit code of a node that was interrupted."""
-        self.go(PATIENCE, until=lambda: self.process.poll() is not None)
-        self.go(PATIENCE, until=lambda: self.speed == (0.0, 0.0))
-        return [list(self.speed), self.process.poll()]
-
-    def zeros(self, count):
-        """Zeros among the commands since the first ``count``."""
-        return sum(1 for _, v, w in self.seen[count:] if v == w == 0)
-
-    def go_until_said(self, word):
-        """A sound world until diagnostics have a word: what they said till then."""
+    def until_said(self, word, **how):
+        """Rounds until diagnostics have a word: what they said till then."""
         self.said.clear()
-        self.go(PATIENCE, until=lambda: self.told(word))
+        self.go(PATIENCE, lambda: self.told(word), **how)
         return sorted(set(self.said))
 
-    def fault(self, command=None, measure=None, first=None, rests=True, word=""):
-        """What follows a fault: other messages, or what ``first`` does (once).
+    def fell(self):
+        """Whether a command below that before the fault has come."""
+        return any(row[1] < self.before - 0.02 for row in self.seen)
 
-        It lasts until zeros have come for a while, or for LASTS where the base does not rest, and
-        until diagnostics have the word: told each second, and at once only where it is news.
+    def rested(self, word):
+        """Whether zeros came for a while, and a word was told."""
+        return lambda: (
+            self.told(word) and [any(row[1:]) for row in self.seen[-MANY:]] == ([False] * MANY)
+        )
+
+    def fault(self, until=None, first=None, again=False, **how):
+        """What follows a fault: other rounds, or what ``first`` does (once).
+
+        It lasts for LASTS, or ``until`` something is true.  It is made again where this process was
+        late, but what is done ``first`` only if ``again``: then also where it was not true in time,
+        as of a leap while the node had no odometry.
         """
-        for _ in range(1 if first else ATTEMPTS):
+        lasts = LASTS if until is None else AWAITED if again else PATIENCE
+        for _ in range(1 if first and not again else ATTEMPTS):
             self.drive()
-            start, count, self.pause = time.monotonic(), len(self.seen), 0.0
+            self.seen.clear()
             self.said.clear()
+            self.before, began, self.pause = self.speed[0], time.monotonic(), 0.0
             if first:
                 first()
-            lasts = PATIENCE if rests else LASTS
-            self.go(lasts, command, measure, until=lambda count=count: self.zeros(count) > MANY)
-            if word:
-                self.go(PATIENCE, command, measure, until=lambda: self.told(word))
-            if self.pause < RATE + PUNCTUAL:
+            there = self.go(lasts, until or (lambda: False), **how)
+            if self.pause < self.period + PUNCTUAL and (there or not again):
                 break
-        seen = [(t - start, v, w) for t, v, w in self.seen[count:]]
-        falls = [t for t, v, _ in seen if v < 0.499]
-        zeros = [t for t, v, w in seen if v == w == 0]
-        times = [0.0, *(t for t, _, _ in seen)]
+        seen = [(t - began, *sent) for t, *sent in self.seen]
+        speeds = [row[1] for row in seen]
         return {
-            "largest": [max((abs(row[k]) for row in seen), default=0.0) for k in (1, 2)],
-            "falls": falls[0] if falls else None,
-            "zero": zeros[0] if zeros else None,
-            "silence": silence(times) or LASTS,
-            "zeros": len(zeros),
-            "curvature": [w / v for _, v, w in seen if v > 0.1][-1:],
+            "silence": max(self.pause, silence([0.0, *(row[0] for row in seen)])),
+            "falls": next((t for t, v, *_ in seen if v < self.before - 0.02), None),
+            "zero": next((t for t, *sent in seen if not any(sent)), None),
+            "steps": max((a - b for a, b in pairwise(speeds)), default=0),
+            "last": seen[-1][1:] if seen else None,
+            "drives": max(speeds[-10:], default=0.0),
+            "there": there,
             "said": sorted(set(self.said)),
         }
 
-    def call_reset(self):
-        return bool(call(self.node, Trigger, "wmr_filter/reset", Trigger.Request()).success)
+    def reset(self):
+        return bool(call(self.node, Trigger, f"{self.name}/reset", Trigger.Request()).success)
+
+    def latched(self):
+        """What follows odometry that is too fast, then sound, and a reset."""
+        fast = self.fault(self.rested("too-fast"), first=lambda: None, spoil=speed(1.4))
+        self.go(0.5)
+        return {"too fast": fast, "latched": [self.seen[-1][1:], self.reset()]}
+
+    def stopped(self):
+        """What follows a stop, with what is commanded after it ended and before the reset."""
+        stop = Bool(data=True)
+        found = {"stop": self.fault(self.rested("stopped"), lambda: self.stop.publish(stop))}
+        found["reset while stopped"] = self.reset()
+        self.stop.publish(Bool(data=False))
+        self.go(0.3)
+        found["stopped"] = [self.seen[-1][1:], self.go(PATIENCE, self.reset)]
+        return found | {"drives again": self.go(PATIENCE, self.drives)}
+
+    def count_after_quiet(self, seconds, **how):
+        """Commands that come in a time [s] after those that were on their way have come."""
+        for lasts, until in ((PATIENCE, quiet(self.seen)), (seconds, lambda: False)):
+            self.rest()
+            self.seen.clear()
+            self.go(lasts, until, **how)
+        return len(self.seen)
+
+    def rest(self):
+        """The base's own time-out."""
+        self.speed = 0.0, 0.0
+
+    def frozen(self, **how):
+        """Number of commands while the process stands still, after which it goes on."""
+        self.process.send_signal(signal.SIGSTOP)
+        count = self.count_after_quiet(0.6, **how)
+        self.process.send_signal(signal.SIGCONT)
+        return count
+
+    def killed(self, restart, **how):
+        """Number of commands after SIGKILL, and the largest one of a next life."""
+        self.process.kill()
+        self.process.wait()
+        found = {"after the kill": self.count_after_quiet(0.5)}
+        self.process = restart()
+        self.seen.clear()
+        self.go(PATIENCE, lambda: len(self.seen) > 10, **how)
+        return found | {"next life": max(abs(row[1]) for row in self.seen)}
+
+    def interrupted(self):
+        """The last command and the exit code of the node after SIGINT."""
+        self.process.send_signal(signal.SIGINT)
+        self.go(PATIENCE, lambda: self.process.poll() is not None)
+        self.go(PATIENCE, lambda: bool(self.seen) and not any(self.seen[-1][1:]))
+        return [self.seen[-1][1:], self.process.poll()]
+
+
+class World(Base):
+    """Planner and base of the filter."""
+
+    name = "wmr_filter"
+
+    def __init__(self, process=None, simulated=False):
+        super().__init__(process, simulated)
+        self.commands = self.node.create_publisher(TwistStamped, "cmd_vel_in", SURE)
+
+    def drives(self):
+        return abs(self.speed[0] - 0.5) < 1e-6
+
+    def round(self, spoil=None, command=None):
+        """Odometry, and what ``command`` sends; nothing where it is False."""
+        super().round(spoil)
+        if command is not False:
+            (command or self.command)()
+
+    def command(self, v=0.5, omega=0.3, change=None):
+        """A command, which ``change`` may spoil."""
+        self.publish(self.commands, command_of(self.stamp(), v, omega), change)
+
+
+# -- messages, and what spoils them -----------------------------------------------------------
+
+
+def stamp_of(nanoseconds):
+    return rclpy.time.Time(nanoseconds=nanoseconds).to_msg()
+
+
+def odometry_of(stamp, place, turn, velocity):
+    """Odometry at a place (x, y), with an orientation (x, y, z, w) and a velocity (v, omega)."""
+    message = Odometry(child_frame_id="base_link")
+    message.header.stamp, message.header.frame_id = stamp, "odom"
+    pose, twist = message.pose.pose, message.twist.twist
+    pose.position.x, pose.position.y = place
+    seen = pose.orientation
+    seen.x, seen.y, seen.z, seen.w = turn
+    twist.linear.x, twist.angular.z = velocity
+    return message
+
+
+def command_of(stamp, v, omega):
+    message = TwistStamped()
+    message.header.stamp = stamp
+    message.twist.linear.x, message.twist.angular.z = v, omega
+    return message
+
+
+def missing(_message):
+    return False
+
+
+def in_map(message):
+    message.header.frame_id = "map"
+
+
+def of_a_laser(message):
+    message.child_frame_id = "laser"
+
+
+def no_rotation(message):
+    message.pose.pose.orientation.w = message.pose.pose.orientation.z = 0.0
+
+
+def without_stamp(message):
+    message.header.stamp = stamp_of(0)
+
+
+def speed(v):
+    """Another speed [m/s] in a message."""
+
+    def spoil(message):
+        getattr(message.twist, "twist", message.twist).linear.x = v
+
+    return spoil
+
+
+def older(seconds):
+    """An older stamp, by so many seconds."""
+
+    def spoil(message):
+        message.header.stamp.sec -= seconds
+
+    return spoil
+
+
+def repeated():
+    """The stamp of the first message that is spoilt."""
+    first = []
+
+    def spoil(message):
+        first.append(message.header.stamp)
+        message.header.stamp = first[0]
+
+    return spoil
+
+
+def out_of_order(v):
+    """A message of another speed [m/s] before this one, older than the last."""
+
+    def spoil(message):
+        before, sent = deepcopy(message), rclpy.time.Time.from_msg(message.header.stamp)
+        before.header.stamp = stamp_of(sent.nanoseconds - OLDER)
+        speed(v)(before)
+        return before
+
+    return spoil
+
+
+def faults():
+    """What spoils commands or odometry, by its name."""
+    return {
+        "missing": missing, "in map": in_map, "of a laser": of_a_laser,
+        "no rotation": no_rotation, "NaN": speed(math.nan), "infinite": speed(math.inf),
+        "without stamp": without_stamp, "old": older(1), "ahead": older(-1),
+        "repeated": repeated(),
+    }  # fmt: skip
+
+
+# -- nodes ------------------------------------------------------------------------------------
 
 
 def launch(kind, *settings, remaps=(), node="", more=(), **how):
@@ -199,6 +376,18 @@ def launch(kind, *settings, remaps=(), node="", more=(), **how):
     words = [part for item in settings for part in ("-p", item)]
     words += [part for item in remaps for part in ("-r", item)]
     return subprocess.Popen([*program, "--ros-args", *words, *more], **how)
+
+
+def start(scenario, node="", *more, odometry="required", **how):
+    """The filter in Python, or the program ``node``, whose settings are compiled in."""
+    settings = [] if node else [f"scenario:={scenario}", f"odometry:={odometry}", SOON]
+    return launch("filter", *settings, node=node, more=more, **how)
+
+
+def start_drive(scenario, *more, looks=0.0):
+    """The drive with Kanayama's law."""
+    given = [f"scenario:={scenario}", "law:=kanayama", *more]
+    return launch("drive", *given, f"discovery_time:={looks}")
 
 
 def spin_for(node, seconds):
@@ -237,13 +426,6 @@ def tell(found):
     os._exit(0)
 
 
-def after(pause, *messages):
-    """Messages one by one, with a pause [s] in which the node reads each."""
-    for send in messages:
-        send()
-        time.sleep(pause)
-
-
 def quiet(seen):
     """Whether nothing was added for QUIET to a list whose rows begin with a time, or since now."""
     now = time.monotonic()
@@ -253,112 +435,3 @@ def quiet(seen):
 def silence(times):
     """Longest pause [s]; 0 where there is none."""
     return max((b - a for a, b in pairwise(times)), default=0.0)
-
-
-def since_first_call():
-    """A function of the time since its first call [s]: what is sent so long ago has one stamp."""
-    calls = []
-
-    def passed():
-        calls.append(time.time())
-        return calls[-1] - calls[0]
-
-    return passed
-
-
-def start(scenario, node="", *more, odometry="required", **how):
-    """The filter in Python, or the program ``node``, whose settings are compiled in."""
-    settings = [] if node else [f"scenario:={scenario}", f"odometry:={odometry}", SOON]
-    return launch("filter", *settings, node=node, more=more, **how)
-
-
-def of_commands(world):
-    """Faults of what is sent to the node."""
-    ago = since_first_call()
-    best = world.node.create_publisher(TwistStamped, "cmd_vel_in", LATEST)
-    sure = world.commands
-    uncounted = {
-        "missing": False,
-        "NaN": lambda: world.command(math.nan),
-        "infinite": lambda: world.command(math.inf),
-        "old": lambda: world.command(ago=1.0),
-        "ahead": lambda: world.command(ago=-1.0),
-        "repeated": lambda: world.command(ago=ago()),
-        "in map": lambda: world.command(frame="map"),
-    }
-    found = {
-        name: world.fault(command=command, word="no-command") for name, command in uncounted.items()
-    }
-    found["wild"] = world.fault(command=lambda: world.command(5.0, 3.0), rests=False)
-    found["out of order"] = world.fault(
-        command=lambda: after(0.004, lambda: world.command(0.1, ago=BEFORE), world.command),
-        rests=False,
-    )
-    world.commands = best
-    found["best effort"] = world.fault(rests=False)
-    world.commands = sure
-    world.node.destroy_publisher(best)
-    return found
-
-
-def of_odometry(world):
-    """Faults of the base's odometry."""
-    ago = since_first_call()
-    uncounted = {
-        "missing": False,
-        "NaN": lambda: world.measure(math.nan),
-        "no rotation": lambda: world.measure(w=0.0),
-        "of a laser": lambda: world.measure(frame="laser"),
-        "old": lambda: world.measure(ago=0.5),
-        "repeated": lambda: world.measure(ago=ago()),
-    }
-    found = {
-        name: world.fault(measure=measure, word="no-odometry")
-        for name, measure in uncounted.items()
-    }
-    found["out of order"] = world.fault(
-        measure=lambda: after(0.004, lambda: world.measure(1.4, ago=BEFORE), world.measure),
-        rests=False,
-    )
-    found["too fast"] = world.fault(
-        first=lambda: None, measure=lambda: world.measure(1.4), word="stopped, too-fast"
-    )
-    return found
-
-
-def main(scenario, node=""):
-    process = start(scenario, node)
-    rclpy.init()
-    world, found = World(process), {}
-    try:
-        found["sound"] = world.fault(rests=False)
-        found["command"] = of_commands(world)
-        found["odometry"] = of_odometry(world)
-        found["latched"] = {"zero": world.speed == (0.0, 0.0)}
-        world.go(0.3)
-        found["latched"]["stays"] = world.speed == (0.0, 0.0)
-        found["latched"]["reset"] = world.call_reset()
-        found["stop"] = world.fault(first=lambda: world.stop.publish(Bool(data=True)))
-        found["stop"]["reset while it says so"] = world.call_reset()
-        world.stop.publish(Bool(data=False))
-        world.go(0.3)
-        found["stop"]["stays"] = world.speed == (0.0, 0.0)
-        world.go(PATIENCE, until=world.call_reset)
-        found["stop"]["reset"] = world.call_reset()
-        rival = world.node.create_publisher(TwistStamped, "cmd_vel", SURE)
-        began = time.monotonic()
-        world.seen.clear()
-        found["rival"] = world.go_until_said("other publishers")
-        found["rival after"] = time.monotonic() - began
-        found["rival silence"] = silence([began, *(t for t, *_ in world.seen), time.monotonic()])
-        world.node.destroy_publisher(rival)
-        world.drive()
-        process.send_signal(signal.SIGINT)
-        found["interrupt"] = world.ended()
-    finally:
-        process.kill()
-    tell(found)
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

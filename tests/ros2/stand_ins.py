@@ -1,83 +1,54 @@
-"""Nodes of a launch file for nav2 over DDS: ours as it is launched, the others by stand-ins.
+"""Our filter as a launch file for nav2 starts it, between stand-ins, over DDS.
 
 ``python stand_ins.py SCENARIO LAUNCH PARAMS``: substitutes arguments, starts wmr_filter with its
-parameters and remappings, plays controller, smoother, monitor, lifecycle manager and base, and
-prints what the base was sent as JSON.
+parameters and remappings, plays lifecycle manager, collision monitor and base, and prints what the
+base was sent as JSON.
 """
 
 import sys
-import time
 import xml.etree.ElementTree as ElementTree
 
 import rclpy
-from geometry_msgs.msg import TwistStamped
-from nav_msgs.msg import Odometry
-from outside import LATEST, PATIENCE, RATE, SOON, SURE, has_changed, launch, spin_for, tell
-
-WISH = 5.0
-"""Speed that the controller asks for [m/s]."""
-
-
-def filled(text, arguments):
-    """A value with the launch file's arguments in it."""
-    for name, value in arguments.items():
-        text = text.replace(f"$(var {name})", value)
-    return text
+from outside import PATIENCE, SOON, World, has_changed, launch, tell
 
 
 def main(scenario, file, params):
     root = ElementTree.parse(file).getroot()
     arguments = {item.get("name"): item.get("default", "") for item in root.iter("arg")}
-    arguments |= {
-        "scenario": scenario,
-        "params": params,
-        "cmd_vel": "base_cmd",
-        "odom": "base_odom",
-    }
-    nodes = {item.get("name"): item for item in root.iter("node")}
-    remaps = {
-        name: {r.get("from"): filled(r.get("to"), arguments) for r in item.iter("remap")}
-        for name, item in nodes.items()
-    }
-    values = {
-        name: {p.get("name"): filled(p.get("value"), arguments)
-               for p in item.iter("param") if p.get("name")}
-        for name, item in nodes.items()
-    }  # fmt: skip
+    arguments |= {"scenario": scenario, "params": params}
+    arguments |= {"cmd_vel": "base_cmd", "odom": "base_odom"}
 
-    own = [f"{key}:={value or chr(39) * 2}" for key, value in values["wmr_filter"].items()]
-    ours = [":=".join(pair) for pair in remaps["wmr_filter"].items()]
+    def given(node, kind, key, value):
+        """What a node is given of a kind, with the launch file's arguments in it."""
+        (item,) = (item for item in root.iter("node") if item.get("name") == node)
+        found = {one.get(key): one.get(value) for one in item.iter(kind) if one.get(key)}
+        for name, filled in arguments.items():
+            found = {k: text.replace(f"$(var {name})", filled) for k, text in found.items()}
+        return found
+
+    settings = given("wmr_filter", "param", "name", "value").items()
+    own = [f"{key}:={value or chr(39) * 2}" for key, value in settings]
+    remaps = [":=".join(pair) for pair in given("wmr_filter", "remap", "from", "to").items()]
     words = [part for item in (*own, SOON) for part in ("-p", item)]
-    process = launch("filter", remaps=ours, more=["--params-file", params, *words])
+    process = launch("filter", remaps=remaps, more=["--params-file", params, *words])
+    rclpy.init(args=["--ros-args", *(part for item in remaps for part in ("-r", item))])
+    world = World(process)
 
-    rclpy.init()
-    node, sent = rclpy.create_node("stand_ins"), []
-    smoother, monitor = remaps["velocity_smoother"], values["collision_monitor"]
-    wishes = node.create_publisher(TwistStamped, remaps["controller_server"]["cmd_vel"], SURE)
-    smoothed = node.create_publisher(TwistStamped, "cmd_vel_smoothed", SURE)
-    node.create_subscription(TwistStamped, smoother["cmd_vel"], smoothed.publish, SURE)
-    watched = node.create_publisher(TwistStamped, monitor["cmd_vel_out_topic"], SURE)
-    node.create_subscription(TwistStamped, monitor["cmd_vel_in_topic"], watched.publish, SURE)
-    odometry = node.create_publisher(Odometry, arguments["odom"], LATEST)
-    node.create_subscription(
-        TwistStamped, arguments["cmd_vel"], lambda m: sent.append(m.twist.linear.x), SURE
-    )
-    managed = "wmr_filter" in values["lifecycle_manager_navigation"]["node_names"]
+    def of_a_footprint(message):
+        message.child_frame_id = "base_footprint"
+
+    manager = given("lifecycle_manager_navigation", "param", "name", "value")
     try:
-        for transition in (1, 3) if managed else ():
-            assert has_changed(node, "wmr_filter", transition), transition
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end and len([v for v in sent if v > 0.8]) < 20:
-            wish, seen = TwistStamped(), Odometry(child_frame_id="base_footprint")
-            wish.header.stamp = seen.header.stamp = node.get_clock().now().to_msg()
-            wish.twist.linear.x, seen.pose.pose.orientation.w = WISH, 1.0
-            seen.twist.twist.linear.x = sent[-1] if sent else 0.0
-            wishes.publish(wish)
-            odometry.publish(seen)
-            spin_for(node, RATE)
+        for transition in (1, 3) if "wmr_filter" in manager["node_names"] else ():
+            assert has_changed(world.node, "wmr_filter", transition), transition
+        world.go(
+            PATIENCE, lambda: sum(v > 0.8 for _, v, _ in world.seen) > 20,
+            spoil=of_a_footprint, command=lambda: world.command(5.0, 0.0),
+        )  # fmt: skip
     finally:
         process.kill()
-    tell({"nodes": sorted(nodes), "largest": max(sent, default=0.0), "commands": len(sent)})
+    sent = [v for _, v, _ in world.seen]
+    tell({"largest": max(sent, default=0.0), "commands": len(sent)})
 
 
 if __name__ == "__main__":

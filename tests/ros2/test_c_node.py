@@ -9,13 +9,14 @@ from click.testing import CliRunner
 
 from tests.commands import finished, flat
 from tests.ros2.conftest import OVER_DDS
+from tests.tables import cases, changes
 from wmr_ctrl.cli.root import root
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.ros2.c_node import GIVEN, NAME, NodeSettings, node_files, node_settings, write_node
 from wmr_ctrl.ros2.parameters import FILTER
 from wmr_ctrl.world.scenario import load_scenario
 
-STATED = {"filter.kind": "clip", "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05]}
+STATED = changes("filter.kind = 'clip'; filter.gain = [0.9, 1.1]; filter.d = [0.05, 0.05]")
 WORDS = {"stamped": "true", "odometry": "watched", "trigger": "timer"}
 
 
@@ -61,20 +62,20 @@ def test_a_frame_is_a_text_of_c_whatever_is_in_it():
 
 @pytest.mark.parametrize(
     "given, said",
-    [
-        ("speed=1", "not a parameter that can be compiled"),
-        ("scenario=mine.toml", "not a parameter that can be compiled"),
-        ("rise=[1.0]", "must be like its default"),
-        ("rise=fast", "must be like its default"),
-        ("command_timeout=[1.0]", "must be like its default"),
-        ("stamped=1", "must be like its default"),
-        ("command_timeout=-1", "out of its range"),
-        ("odometry_timeout=61", "out of its range"),
-        ("command_timeout=NaN", "out of its range"),
-        ("excess=[0, 1]", "must be positive"),
-        ("odometry=maybe", "must be one of"),
-        ("trigger=never", "must be one of"),
-    ],
+    cases("""
+        speed=1 | not a parameter that can be compiled
+        scenario=mine.toml | not a parameter that can be compiled
+        rise=[1.0] | must be like its default
+        rise=fast | must be like its default
+        command_timeout=[1.0] | must be like its default
+        stamped=1 | must be like its default
+        command_timeout=-1 | out of its range
+        odometry_timeout=61 | out of its range
+        command_timeout=NaN | out of its range
+        excess=[0, 1] | must be positive
+        odometry=maybe | must be one of
+        trigger=never | must be one of
+    """),
 )
 def test_what_cannot_be_compiled_in_is_a_sentence(given, said):
     with pytest.raises(ArgumentError, match=said):
@@ -83,14 +84,14 @@ def test_what_cannot_be_compiled_in_is_a_sentence(given, said):
 
 @pytest.mark.parametrize(
     "words, said",
-    [
-        (["nn", "--ros2"], "command filter"),
-        (["filter", "--ros2", "--float32"], "double precision"),
-        (["filter", "--param", "stamped=false"], "it works only with --ros2"),
-    ],
+    cases("""
+        nn --ros2 | command filter
+        filter --ros2 --float32 | double precision
+        filter --param stamped=false | it works only with --ros2
+    """),
 )
 def test_options_that_do_not_go_together_are_refused(tmp_path, words, said):
-    done = CliRunner().invoke(root, ["codegen", *words, "--out", str(tmp_path / "out")])
+    done = CliRunner().invoke(root, ["codegen", *words.split(), "--out", str(tmp_path / "out")])
 
     assert done.exit_code == 2
     assert said in flat(done.output)

@@ -63,9 +63,8 @@ def installed(ros, tmp_path_factory):
 @OVER_DDS
 def test_the_ament_index_finds_the_package(ros, installed):
     asked = "from ament_index_python import get_package_share_directory as d; print(d('{}'))"
-    done = finished(
-        [ros, "-c", asked.format(PACKAGE.name)], env={**os.environ, "AMENT_PREFIX_PATH": installed}
-    )
+    env = {**os.environ, "AMENT_PREFIX_PATH": installed}
+    done = finished([ros, "-c", asked.format(PACKAGE.name)], env=env)
     share = installed / "share" / PACKAGE.name
     assert done.stdout.strip() == str(share)
     assert {path.name for path in share.glob("*/*")} >= {
@@ -123,25 +122,11 @@ def test_the_node_in_c_is_a_package_of_ament_cmake(ros, environment, tmp_path):
     write_node(tmp_path / "src" / NAME, load_scenario(tmp_path / "base.toml"))
     prefix = str(ros.parent.parent)
     paths = {"PATH": f"{ros.parent}{os.pathsep}{os.environ['PATH']}", "CMAKE_PREFIX_PATH": prefix}
-    found = {
-        **os.environ,
-        **paths,
-        "AMENT_PREFIX_PATH": prefix,
-        "COLCON_LOG_PATH": str(tmp_path / "log"),
-    }
-    finished(
-        [
-            ros,
-            "-m",
-            "colcon",
-            "build",
-            "--cmake-args",
-            f"-DCMAKE_EXE_LINKER_FLAGS={' '.join(with_python())}",
-        ],
-        cwd=tmp_path,
-        env=found,
-        timeout=900,
-    )
+    logs = {"AMENT_PREFIX_PATH": prefix, "COLCON_LOG_PATH": str(tmp_path / "log")}
+    found = {**os.environ, **paths, **logs}
+    linked = f"-DCMAKE_EXE_LINKER_FLAGS={' '.join(with_python())}"
+    command = [ros, "-m", "colcon", "build", "--cmake-args", linked]
+    finished(command, cwd=tmp_path, env=found, timeout=900)
     program = tmp_path / "install" / NAME / "lib" / NAME / NAME
     started = subprocess.run(
         [ros, "-c", "import os, sys; os.execv(sys.argv[1], sys.argv[1:])", program,

@@ -2,18 +2,20 @@
 
 import pytest
 
+from tests.papers_robot import preset
+from tests.ros2.worlds import MS, World
+from tests.tables import changes
 from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Clocks, Moment
 from wmr_ctrl.ros2.diagnosis import ERROR, OK, WARN, judged, rivals, two_senders
 from wmr_ctrl.ros2.filter_core import FilterCore
 from wmr_ctrl.world.scenario import load_scenario
 
-MS = 1_000_000
 TICK = 20 * MS
-STATED = {
-    "limits.v_u1": [1.0, 2.0], "clock.control": 0.02, "filter.kind": "clip",
-    "filter.gain": [0.9, 1.1], "filter.d": [0.05, 0.05],
-}  # fmt: skip
+STATED = changes("""
+limits.v_u1 = [1.0, 2.0]; clock.control = 0.02
+filter.kind = "clip"; filter.gain = [0.9, 1.1]; filter.d = [0.05, 0.05]
+""")
 SETTINGS = GateSettings(odometry="none")
 
 
@@ -25,32 +27,6 @@ def scenario():
 @pytest.fixture
 def world(scenario):
     return World(FilterCore(scenario, SETTINGS, "base_link"))
-
-
-class World:
-    """A core with a sender at its rate; clocks that a test moves."""
-
-    def __init__(self, core, ros=1_000_000 * MS):
-        self.core, self.ros, self.steady, self.told = core, ros, 7_000 * MS, []
-
-    def now(self):
-        now = Moment(self.ros, self.steady)
-        self.told += self.core.see(now)
-        return now
-
-    def go(self, count, *, sends=True, stamped=True, passes=True):
-        """Ticks with a command before each; returns the speeds sent."""
-        speeds = []
-        for _ in range(count):
-            self.steady += TICK
-            self.ros += TICK if passes else 0
-            if sends:
-                self.command(self.ros if stamped else 0)
-            speeds.append(self.core.tick(self.now()).command[0])
-        return speeds
-
-    def command(self, stamp):
-        return self.core.command((0.5, 0.0), stamp, "base_link", self.now())[0]
 
 
 def ticks_to_rest(speed):
@@ -89,8 +65,7 @@ def test_a_process_that_stood_still_trusts_nothing_from_before(world, stamped):
     """The queue holds a command from before the freeze, whose sender died meanwhile."""
     world.go(60, stamped=stamped)
     queued = world.ros if stamped else 0
-    world.steady += 600 * MS
-    world.ros += 600 * MS
+    world.wait(600 * MS)
     assert world.command(queued) != ""
     assert world.told == [FROZEN]
     speeds = world.go(30, sends=False)
@@ -99,26 +74,14 @@ def test_a_process_that_stood_still_trusts_nothing_from_before(world, stamped):
     assert speeds[-1] == 0.0
 
 
-def test_after_a_kill_the_next_life_sends_zeros_until_a_command_counts(world, scenario):
-    world.go(60)
-    old = world.ros
-    again = World(FilterCore(scenario, SETTINGS, "base_link"), world.ros + 2_000 * MS)
-    assert again.go(5, sends=False) == [0.0] * 5
-    assert again.command(old) == "too old"
-    assert again.go(1, sends=False) == [0.0]
-    speeds = again.go(3)
-    assert speeds == pytest.approx([0.02, 0.04, 0.06])  # by the ramp: rise is 1 m/s2
-
-
 def test_a_filter_that_starts_again_does_as_a_new_one_and_keeps_its_counters(scenario, world):
     """Whatever it had sent, taken and latched."""
     world.go(60)
     world.core.halt(True, world.now())
     world.core.halt(False, world.now())
     world.core.start()
-    world.steady += 700 * MS
-    world.ros += 700 * MS
-    new = World(FilterCore(scenario, SETTINGS, "base_link"), world.ros)
+    world.wait(700 * MS)
+    new = World(FilterCore(scenario, SETTINGS, "base_link"), ros=world.ros)
     new.steady = world.steady
     for sends in (False, True, True):
         assert world.go(1, sends=sends) == new.go(1, sends=sends)
@@ -127,38 +90,35 @@ def test_a_filter_that_starts_again_does_as_a_new_one_and_keeps_its_counters(sce
     assert world.told == new.told == []
 
 
-def test_on_simulated_time_odometry_that_is_newer_than_a_command_counts(scenario):
-    required = GateSettings(odometry="required")
-    world = World(FilterCore(scenario, required, "base_link", at_once=True))
-    now = Moment(world.ros, world.steady, True)
-    world.core.see(now)
-    assert world.core.measure((0.1, 0.0), (0.0, 0.0, 0.0, 1.0), world.ros, "base_link", now) == ""
-    reason, sent = world.core.command((0.5, 0.0), world.ros - 5 * MS, "base_link", now)
+def measured(scenario, **how):
+    """A filter on simulated time that needs odometry, and has it."""
+    core = FilterCore(scenario, GateSettings(odometry="required"), "base_link", **how)
+    world = World(core, simulated=True)
+    turn = 0.0, 0.0, 0.0, 1.0
+    assert core.measure((0.1, 0.0), turn, world.ros, "base_link", world.now()) == ""
+    return world
 
-    assert reason == ""
-    assert "no-odometry" not in sent.flags
+
+def test_on_simulated_time_odometry_that_is_newer_than_a_command_counts(scenario):
+    world = measured(scenario, at_once=True)
+
+    assert world.command(world.ros - 5 * MS) == ""
+    assert "no-odometry" not in world.flags
 
 
 def test_on_simulated_time_odometry_times_out_by_the_steady_clock(scenario):
     """A simulator that stands still says nothing new, however young its last word."""
-    world = World(FilterCore(scenario, GateSettings(odometry="required"), "base_link"))
-    flags = []
+    world, flags = measured(scenario), []
     for steady in (20, 60, 60, 20):
-        now = Moment(world.ros, world.steady, True)
-        world.core.see(now)
-        if not flags:
-            measured = (0.1, 0.0), (0.0, 0.0, 0.0, 1.0), world.ros, "base_link", now
-            assert world.core.measure(*measured) == ""
-        flags.append("no-odometry" in world.core.tick(now).flags)
-        world.steady += steady * MS
-        world.ros += MS
+        flags.append("no-odometry" in world.core.tick(world.now()).flags)
+        world.wait(MS, steady * MS)
 
     assert flags == [False, False, False, True]
 
 
 def test_a_stop_outlives_messages_and_needs_a_reset(world):
     world.go(60)
-    world.steady += TICK
+    world.wait(0, TICK)
     assert world.core.halt(True, world.now()).command == (0.0, 0.0)
     assert not world.core.reset()  # and it is not remembered
     assert world.core.halt(False, world.now()) is None
@@ -174,10 +134,7 @@ def test_simulated_time_may_run_at_another_rate_but_not_leap():
     assert clocks.see(Moment(12_000 * MS, 500 * MS, simulated=True)) == (FORTH,)
     assert clocks.see(Moment(1_000 * MS, 600 * MS, simulated=True)) == (BACK,)
     assert clocks.counts == {FORTH: 1, BACK: 1}
-
-
-def test_switching_to_simulated_time_is_no_jump():
-    clocks = Clocks(250 * MS)
+    clocks = Clocks(250 * MS)  # nor is it a leap that it becomes simulated
     assert clocks.see(Moment(1_000_000 * MS, 0)) == ()
     assert clocks.see(Moment(0, 20 * MS, simulated=True)) == ()
 
@@ -187,13 +144,9 @@ def test_switching_to_simulated_time_is_no_jump():
 ME = "/robot1/wmr_filter"
 
 
-def test_alone_there_is_no_rival():
-    assert rivals(ME, [ME], "/robot1/cmd_vel") == ""
-    assert rivals(ME, [], "/robot1/cmd_vel") == ""
-    assert two_senders(["/teleop"], "/cmd_vel_in") == ""
-
-
 def test_rivals_are_named_and_so_is_a_ghost_of_the_node_itself():
+    assert rivals(ME, [ME], "/robot1/cmd_vel") == rivals(ME, [], "/robot1/cmd_vel") == ""
+    assert two_senders(["/teleop"], "/cmd_vel_in") == ""
     other = rivals(ME, [ME, "/robot1/teleop"], "/base/cmd_vel")
     assert "/robot1/teleop" in other
     assert "/base/cmd_vel" in other
@@ -224,68 +177,65 @@ def prompt(scenario):
 
 
 def sent_at(world, *, ros=0, steady=0, simulated=False):
-    """Whether a command that comes so much later [ns] is answered at once."""
-    world.ros, world.steady = world.ros + ros, world.steady + steady
-    now = Moment(world.ros, world.steady, simulated)
-    world.core.see(now)
-    reason, gated = world.core.command((0.5, 0.0), world.ros, "base_link", now)
+    """Whether a command that comes so much later [ms] is answered at once."""
+    world.wait(ros * MS, steady * MS)
+    world.simulated = simulated
+    reason, gated = world.core.command((0.5, 0.0), world.ros, "base_link", world.now())
     assert reason == ""
     return gated is not None
 
 
 def timer(world, *, steady, simulated=False):
-    """Whether the timer answers so much later [ns]."""
-    world.steady += steady
-    world.ros += 0 if simulated else steady
+    """Whether the timer answers so much later [ms]."""
+    world.wait(0 if simulated else steady * MS, steady * MS)
     return world.core.tick(Moment(world.ros, world.steady, simulated)) is not None
 
 
 def test_a_command_is_answered_when_it_is_due_and_no_sooner(prompt):
     assert sent_at(prompt)
-    assert not sent_at(prompt, ros=14 * MS, steady=14 * MS)
-    assert sent_at(prompt, ros=2 * MS, steady=2 * MS)
+    assert not sent_at(prompt, ros=14, steady=14)
+    assert sent_at(prompt, ros=2, steady=2)
 
 
 def test_the_timer_answers_what_is_late_by_a_quarter_and_then_each_period(prompt):
     assert sent_at(prompt)
-    assert not timer(prompt, steady=24 * MS)
-    assert timer(prompt, steady=1 * MS)
-    assert not timer(prompt, steady=19 * MS)
-    assert timer(prompt, steady=1 * MS)
+    assert not timer(prompt, steady=24)
+    assert timer(prompt, steady=1)
+    assert not timer(prompt, steady=19)
+    assert timer(prompt, steady=1)
 
 
 def test_stamps_do_not_hasten_answers_but_on_simulated_time(prompt):
     assert sent_at(prompt)
-    assert not sent_at(prompt, ros=20 * MS, steady=1 * MS)
-    assert sent_at(prompt, ros=20 * MS, steady=1 * MS, simulated=True)
-    assert timer(prompt, steady=300 * MS, simulated=True)
-    assert sent_at(prompt, ros=20 * MS, steady=1 * MS, simulated=True)  # though the timer was last
+    assert not sent_at(prompt, ros=20, steady=1)
+    assert sent_at(prompt, ros=20, steady=1, simulated=True)
+    assert timer(prompt, steady=300, simulated=True)
+    assert sent_at(prompt, ros=20, steady=1, simulated=True)  # though the timer was last
 
 
 def test_after_simulated_time_went_back_commands_are_answered_at_once_again(prompt):
     """What has passed since then is told by the steady clock."""
     assert sent_at(prompt, simulated=True)
     before = prompt.core.last.command[0]
-    assert sent_at(prompt, ros=-10_000 * MS, steady=10 * MS, simulated=True)
+    assert sent_at(prompt, ros=-10_000, steady=10, simulated=True)
     assert prompt.core.last.command[0] == pytest.approx(before + 0.01)
 
 
 def test_answers_at_once_ramp_by_the_time_that_has_passed(prompt):
     speeds = []
     for _ in range(8):
-        assert sent_at(prompt, ros=16 * MS, steady=16 * MS)
+        assert sent_at(prompt, ros=16, steady=16)
         speeds.append(prompt.core.last.command[0])
     assert speeds[1:] == pytest.approx([0.02 + 0.016 * k for k in range(1, 8)])
 
 
 def test_a_step_is_in_time_within_the_stated_jitter_and_not_a_tick_more():
     """What a clock counts is what the gate is told: no tick passes for none."""
-    governed = {**STATED, "filter.kind": "governor", "filter.tau": [0.2, 0.3]}
+    governed = "filter.kind = 'governor'; filter.tau = [0.2, 0.3]"
     for jitter, late in ((0.0, [False, False, True, True, False]), (1e-6, [False] * 5)):
-        case = load_scenario("paper-simulation", {**governed, "filter.jitter": jitter})
+        case = preset("paper-simulation", STATED, f"{governed}; filter.jitter = {jitter}")
         world, told = World(FilterCore(case, SETTINGS, "base_link")), []
         for off in (0, 0, 900, -900, 0):
-            world.steady += TICK + off
-            world.ros += TICK + off
+            world.wait(TICK + off)
             told.append("late" in world.core.tick(world.now()).flags)
         assert told == late

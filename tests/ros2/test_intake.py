@@ -4,10 +4,11 @@ import math
 
 import pytest
 
+from tests.ros2.worlds import MS
+from tests.tables import cases
 from wmr_ctrl.ros2.clocks import Moment
 from wmr_ctrl.ros2.intake import Intake, is_rotation
 
-MS = 1_000_000
 NOW, STEADY = 1_000_000 * MS, 5_000 * MS
 
 
@@ -25,25 +26,29 @@ def age(intake, steady):
 
 
 @pytest.mark.parametrize(
-    "changes, reason",
-    [
-        ({"value": (math.nan, 0.0)}, "not a number"),
-        ({"value": (0.0, -math.inf)}, "not a number"),
-        ({"frame": "map"}, "wrong frame"),
-        ({"stamp": NOW + 60 * MS}, "from the future"),
-        ({"stamp": NOW + 60 * MS, "simulated": True}, ""),
-        ({"stamp": NOW + 110 * MS, "simulated": True}, "from the future"),
-        ({"stamp": NOW - 110 * MS}, "too old"),
-        ({"stamp": NOW - 10 * MS}, "repeated or out of order"),
-        ({}, "repeated or out of order"),
-        ({"stamp": NOW + 1}, ""),
-        ({"stamp": 0}, ""),
-        ({"stamp": NOW + 10 * MS, "frame": ""}, ""),
-    ],
+    "v, later, frame, clock, reason",
+    cases("""
+        nan | 10 | base_link | real | not a number
+        -inf | 10 | base_link | real | not a number
+        0.3 | 10 | map | real | wrong frame
+        0.3 | 60 | base_link | real | from the future
+        0.3 | 60 | base_link | simulated | -
+        0.3 | 110 | base_link | simulated | from the future
+        0.3 | -110 | base_link | real | too old
+        0.3 | -10 | base_link | real | repeated or out of order
+        0.3 | 0 | base_link | real | repeated or out of order
+        0.3 | 0.000001 | base_link | real | -
+        0.3 | none | base_link | real | -
+        0.3 | 10 | - | real | -
+    """),
 )
-def test_a_second_message_counts_or_is_told_why_not(intake, changes, reason):
+def test_a_second_message_counts_or_is_told_why_not(intake, v, later, frame, clock, reason):
+    """One that is stamped so much later [ms], or not at all."""
+    stamp = 0 if later == "none" else NOW + round(float(later) * MS)
+    given = {"value": (0.1, float(v)), "stamp": stamp, "frame": frame.strip("-")}
+    reason = reason.strip("-")
     assert take(intake) == ""
-    assert take(intake, **changes) == reason
+    assert take(intake, **given, simulated=clock == "simulated") == reason
     assert intake.refused == ({reason: 1} if reason else {})
     assert intake.taken == (1 if reason else 2)
 

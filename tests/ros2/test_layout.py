@@ -25,11 +25,6 @@ KINDS = {
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
 """Topics of the nodes, by the page that says so."""
-STAMPS = {"receiveTime", "headerStamp"}
-INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
-NUMBERS = {"float32", "float64", "bool"} | INTEGERS
-STATES = {"bool", "string", "byte"} | INTEGERS
-"""What is a state: whatever has no fraction; a byte of ROS 2 is an unsigned one."""
 
 
 def of_kind(kind):
@@ -63,32 +58,20 @@ def read(path):
     return kind, single
 
 
-def test_plots_show_numbers_of_the_messages_and_lines_at_limits():
-    shown = [path for panel in of_kind("Plot") for path in panel["paths"]]
-    assert len(shown) == 10
-    for path in shown:
-        assert set(path) == {"value", "enabled", "label", "timestampMethod"}
-        assert path["timestampMethod"] in STAMPS
-        if path["value"].startswith("/"):
-            assert read(path["value"])[0] in NUMBERS
-        else:
+def test_plots_and_states_show_fields_of_messages_or_lines_at_limits():
+    """A state is one value a message, and of one node: two would take turns."""
+    (states,) = of_kind("StateTransitions")
+    plots = [path for panel in of_kind("Plot") for path in panel["paths"]]
+    assert len(plots) == 10
+    for path in plots + states["paths"]:
+        assert path["timestampMethod"] in {"receiveTime", "headerStamp"}
+        if not path["value"].startswith("/"):
             assert "limits" in path["label"]
             float(path["value"])
-    assert all(panel["xAxisVal"] == "timestamp" for panel in of_kind("Plot"))
-
-
-def test_states_are_one_value_a_message_and_of_one_node():
-    """A message with none or several values is left out, and two nodes would take turns."""
-    (panel,) = of_kind("StateTransitions")
-    for path in panel["paths"]:
-        assert set(path) == {"value", "label", "timestampMethod"}
-        assert path["timestampMethod"] in STAMPS
+            continue
         kind, single = read(path["value"])
-        assert kind in STATES
-        assert single
-    assert all(any(node in path["value"] for path in panel["paths"]) for node in NODES)
-
-
-def test_diagnostics_are_those_of_the_nodes():
-    (panel,) = of_kind("DiagnosticSummary")
-    assert KINDS[panel["topicToRender"]] == "diagnostic_msgs/msg/DiagnosticArray"
+        assert kind not in FIELDS
+        assert kind != "string" if path in plots else single
+    assert all(any(node in path["value"] for path in states["paths"]) for node in NODES)
+    (summary,) = of_kind("DiagnosticSummary")
+    assert KINDS[summary["topicToRender"]] == "diagnostic_msgs/msg/DiagnosticArray"

@@ -5,35 +5,36 @@ import re
 
 import pytest
 
+from tests.papers_robot import preset
 from tests.ros2.test_drive_core import CIRCLE, core_of
+from tests.ros2.worlds import MS
+from tests.tables import cases
 from wmr_ctrl.control.filter.gate import GateSettings
-from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Clocks, Moment, longest_pause
+from wmr_ctrl.ros2.clocks import Clocks, Moment, longest_pause
 from wmr_ctrl.ros2.filter_core import core_files
-from wmr_ctrl.world.scenario import load_scenario
-
-MS = 1_000_000
 
 
 @pytest.mark.parametrize(
     "ros, steady, happened",
-    [
-        (20, 20, ()),
-        (-9, 20, ()),
-        (-11, 20, (BACK,)),
-        (520, 20, ()),
-        (521, 20, (FORTH,)),
-        (100, 100, ()),
-        (101, 101, (FROZEN,)),
-        (700, 101, (FORTH, FROZEN)),
-    ],
+    cases("""
+        20 | 20 | -
+        -9 | 20 | -
+        -11 | 20 | time-back
+        520 | 20 | -
+        521 | 20 | time-forth
+        100 | 100 | -
+        101 | 101 | frozen
+        700 | 101 | time-forth frozen
+    """),
 )
 def test_time_goes_back_by_10_ms_leaps_by_500_and_stands_still_for_the_longest_pause(
     ros, steady, happened
 ):
     clocks = Clocks(100 * MS)
     clocks.see(Moment(10_000 * MS, 5_000 * MS))
+    now = Moment((10_000 + int(ros)) * MS, (5_000 + int(steady)) * MS)
 
-    assert clocks.see(Moment((10_000 + ros) * MS, (5_000 + steady) * MS)) == happened
+    assert clocks.see(now) == tuple(happened.strip("-").split())
 
 
 @pytest.mark.parametrize("period, pause", [(0.02, 100), (0.04, 100), (0.1, 250)])
@@ -42,11 +43,8 @@ def test_a_pause_of_two_and_a_half_periods_is_no_freeze(period, pause):
 
 
 def test_times_of_a_filter_are_its_own_settings():
-    stated = {
-        "clock.control": 0.02, "filter.kind": "clip", "filter.gain": [0.9, 1.1],
-        "filter.d": [0.05, 0.05],
-    }  # fmt: skip
-    scenario = load_scenario("paper-simulation", stated)
+    clip = "filter.kind = 'clip'; filter.gain = [0.9, 1.1]; filter.d = [0.05, 0.05]"
+    scenario = preset("paper-simulation", clip, "clock.control = 0.02")
     settings = GateSettings(command_timeout=0.3, odometry_timeout=0.2)
     text = "\n".join(core_files(scenario, settings).values())
     times = dict(re.findall(r"#define WMR_([A-Z_]+) INT64_C\((\d+)\)", text))

@@ -25,9 +25,12 @@ free_age = 0.25
 rest = 0.4
 """
 COMPILED = {
-    "scan": ("odometry=none", 'scans=["scan"]', "radius=0.25", "limit_timeout=1.0"),
+    "scan": (
+        "odometry=none", 'scans=["scan"]', "radius=0.25", "limit_timeout=1.0",
+        "scan_pose=[0.0, 0.0, 3.14159265]",
+    ),
     "free": ("odometry=none",),
-}
+}  # fmt: skip
 pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
@@ -62,11 +65,14 @@ def test_without_a_distance_the_base_stands_before_what_was_told(seen):
 
 
 @pytest.mark.parametrize("node", ["Python", "C"])
-def test_a_scan_that_is_stamped_too_late_is_none(report, node):
-    found = report(f"scan live, {node}")["late"]
+def test_a_scan_that_is_late_is_none_and_a_laser_that_is_blind_ahead_is_a_stop(report, node):
+    late, blind = (report(f"scan live, {node}")[name] for name in ("late", "blind"))
 
-    assert found["after"] > 0.5
-    assert int(found["details"]["scans too old"]) > 0
+    assert late["after"] > 0.5
+    assert int(late["details"]["scans too old"]) > 0
+    assert blind["after"] < 0.5
+    assert int(blind["details"]["scan blind beams"]) > 60
+    assert blind["details"]["scan nearest beam"].startswith("10.000 m at ")
 
 
 def test_a_wall_that_is_near_is_a_stop_that_says_how_to_leave(seen):
@@ -77,42 +83,20 @@ def test_a_wall_that_is_near_is_a_stop_that_says_how_to_leave(seen):
     assert seen["back"]
 
 
-@pytest.mark.parametrize("node", ["Python", "C"])
-def test_a_laser_that_is_blind_ahead_is_a_stop(report, node):
-    found = report(f"scan live, {node}")["blind"]
-
-    assert found["after"] < 0.5
-    assert int(found["details"]["scan blind beams"]) > 60
-    assert found["details"]["scan nearest beam"].startswith("10.000 m at ")
-
-
 def test_limits_that_fall_and_rise(seen):
-    assert seen["lower"]
-    assert seen["both"]
-    assert seen["higher"]
-    assert seen["below the push"]
-    assert seen["disabled"]
+    assert all(seen[name] for name in ("lower", "both", "higher", "below the push", "disabled"))
 
 
 @pytest.mark.parametrize("node", ["Python", "C"])
-@pytest.mark.parametrize("way", ["none", "negative", "infinite"])
-def test_no_way_ahead_is_a_stop(report, node, way):
-    assert report(f"free live, {node}")[way]["after"] < 0.5
-
-
-@pytest.mark.parametrize("node", ["Python", "C"])
-def test_a_way_without_end_limits_nothing_and_one_that_is_no_number_is_not_told(report, node):
+def test_no_way_ahead_is_a_stop_one_without_end_limits_nothing_and_no_number_is_not_told(
+    report, node
+):
     found = report(f"free live, {node}")
 
+    assert all(found[way]["after"] < 0.5 for way in ("none", "negative", "infinite"))
     assert found["open"] is None
     assert 0.5 < found["no number"]["after"] < 8
-
-
-@pytest.mark.parametrize("node", ["Python", "C"])
-def test_turning_on_the_spot_before_a_wall_is_refused(report, node):
-    found = report(f"free live, {node}")
-
-    assert found["turned"] == 0
+    assert found["turned"] == 0  # on the spot before a wall
     assert any("near" in text for text in found["turning"]["said"])
 
 
@@ -124,22 +108,9 @@ def test_a_process_that_stood_still_sends_no_more_and_drives_again(report, node)
     assert found["again"]
 
 
-def test_limits_that_must_go_on(report):
+def test_limits_that_must_go_on_and_those_of_nav2_clamp(report):
     found = report("scan live, Python")
 
-    assert found["enabled"]
+    assert all(found[name] for name in ("enabled", "again", "speed", "percent", "none"))
     assert 0.8 < found["silent"]["after"] < 3
     assert any("limit-refused" in text for text in found["silent"]["said"])
-    assert found["again"]
-
-
-def test_limits_of_nav2_clamp(report):
-    found = report("scan live, Python")
-
-    assert found["speed"]
-    assert found["percent"]
-    assert found["none"]
-
-
-def test_it_ends_with_a_last_zero(seen):
-    assert seen["interrupt"] == [[0.0, 0.0], 0]
