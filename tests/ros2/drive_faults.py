@@ -9,7 +9,7 @@ on simulated time that stops, goes back and leaps ahead.
 import sys
 
 import rclpy
-from outside import PATIENCE, Base, faults, out_of_order, start_drive, tell
+from outside import PATIENCE, Base, faults, start_drive, tell
 
 
 def of_odometry(base):
@@ -19,22 +19,12 @@ def of_odometry(base):
     found = {"well": base.go(PATIENCE, lambda: base.told("driving"))}
     for name, spoil in known.items():
         found[name] = base.fault(base.rested("no-odometry"), spoil=spoil)
-    before = refused(base)
-    found["out of order"] = base.fault(spoil=out_of_order(1.4))
-    found["out of order"]["refused"] = refused(base) - before
+    found["out of order"] = base.out_of_order()
 
     def leap():
         base.pose[0] += 1.0
 
     return found | {"pose leaps": leaps(base, "pose-jump", leap)}
-
-
-def refused(base):
-    """How many messages were refused for their order, as diagnostics tell it."""
-    word = "odometry repeated or out of order"
-    base.details.clear()
-    base.go(PATIENCE, lambda: any(word in item for item in base.details))
-    return int(base.details[-1].get(word, 0))
 
 
 def leaps(base, word, leap):

@@ -45,7 +45,7 @@ def of_odometry(world):
     found = {
         name: world.fault(world.rested("no-odometry"), spoil=known[name]) for name in OF_ODOMETRY
     }
-    return found | {"out of order": world.fault(spoil=out_of_order(1.4))}
+    return found | {"out of order": world.out_of_order()}
 
 
 def main(scenario, node=""):

@@ -194,6 +194,19 @@ class Base:
     def reset(self):
         return bool(call(self.node, Trigger, f"{self.name}/reset", Trigger.Request()).success)
 
+    def refused(self):
+        """How much odometry was refused for its order, as diagnostics tell it."""
+        word = "odometry repeated or out of order"
+        self.details.clear()
+        self.go(PATIENCE, lambda: any(word in item for item in self.details))
+        return int(self.details[-1].get(word, 0))
+
+    def out_of_order(self):
+        """What follows odometry that is out of order, and how much of it was refused."""
+        before = self.refused()
+        found = self.fault(spoil=out_of_order())
+        return found | {"refused": self.refused() - before}
+
     def latched(self):
         """What follows odometry that is too fast, then sound, and a reset."""
         fast = self.fault(self.rested("too-fast"), first=lambda: None, spoil=speed(1.4))
@@ -345,13 +358,14 @@ def repeated():
     return spoil
 
 
-def out_of_order(v):
-    """A message of another speed [m/s] before this one, older than the last."""
+def out_of_order(v=None):
+    """A message before this one, older than the last, with another speed [m/s] if one is given."""
 
     def spoil(message):
         before, sent = deepcopy(message), rclpy.time.Time.from_msg(message.header.stamp)
         before.header.stamp = stamp_of(sent.nanoseconds - OLDER)
-        speed(v)(before)
+        if v is not None:
+            speed(v)(before)
         return before
 
     return spoil

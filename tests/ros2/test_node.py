@@ -60,6 +60,7 @@ def test_a_sound_command_passes_also_at_best_effort_and_what_is_out_of_order_is_
     assert drives_on(seen["command"]["best effort"])
     assert drives_on(seen["command"]["out of order"])
     assert drives_on(seen["odometry"]["out of order"])
+    assert seen["odometry"]["out of order"]["refused"] > 5
 
 
 COMES_TO_REST = [
