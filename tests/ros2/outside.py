@@ -196,10 +196,13 @@ class Base:
 
     def refused(self):
         """How much odometry was refused for its order, as diagnostics tell it."""
-        word = "odometry repeated or out of order"
         self.details.clear()
-        self.go(PATIENCE, lambda: any(word in item for item in self.details))
-        return int(self.details[-1].get(word, 0))
+        self.go(PATIENCE, lambda: bool(self.details))
+        counts = self.details[-1].items()
+        return sum(
+            int(count) for what, count in counts
+            if what.startswith("odometry") and what.endswith("out of order")
+        )  # fmt: skip
 
     def out_of_order(self):
         """What follows odometry that is out of order, and how much of it was refused."""
