@@ -2,11 +2,9 @@
 
 import pytest
 
-from tests.bits.cases import bits_of, case, different
 from tests.bits.platforms import HERE, Platform, differences
 from tests.compilers import ARM, NODE, QEMU, SIMD128, WASM, WINE, ZIG
 from wmr_ctrl.codegen.compiler import UNFUSED
-from wmr_ctrl.core.signals import elements
 
 NATIVE = "-march=native"
 LANES_OF_OURS = ("-O3", "-fno-tree-vectorize")
@@ -57,12 +55,3 @@ def test_platforms_agree(name, law, tmp_path):
     ``python -m tests.bits`` takes every law and case on every platform.
     """
     assert differences(EVERYWHERE[name], law, ["everything"], tmp_path) == []
-
-
-def test_a_single_bit_is_seen_and_placed():
-    bits = bytearray(bits_of("mb", "plain"))
-    row = 8 * len(elements(case("mb", "plain").compiled.layout.columns))
-    bits[3 * row + 8] ^= 1
-
-    assert "row 3" in different("mb", "plain", bytes(bits))
-    assert different("mb", "plain", bytes(bits[:-8])).endswith(f"for {len(bits)}")

@@ -1,7 +1,6 @@
 """Compiler flags that change values: C that is exported refuses them, or they change nothing."""
 
 from functools import cache
-from platform import machine
 from subprocess import run
 
 import pytest
@@ -121,22 +120,6 @@ def instructions(folder, compiler, units, *words):
     done = compiled(folder, compiler, *words, "-S", *units)
     assert done.returncode == 0, done.stderr
     return [(folder / unit).with_suffix(".s").read_text("utf-8") for unit in units]
-
-
-@pytest.mark.skipif(machine() not in ("x86_64", "aarch64"), reason="NOT RUN: not recognised there")
-def test_gcc_before_12_refuses_without_its_newer_macros(tmp_path):
-    """Its version and macros are feigned: it tells such flags by __GCC_IEC_559 alone.
-
-    It ignores -fassociative-math without -fno-signed-zeros.
-    """
-    needs("gcc")
-    written("law", tmp_path)
-    macros = ("GNUC__", "ASSOCIATIVE_MATH__", "RECIPROCAL_MATH__", "FAST_MATH__")
-    older = [*(f"-U__{name}" for name in macros), "-D__GNUC__=11", "-fsyntax-only", "wmr_nn.c"]
-    for flag in ("", *FLAGS):
-        done = compiled(tmp_path, "gcc", *flag.split(), *older)
-        refused = flag not in ("", "-fassociative-math")
-        assert refused == (REFUSALS[0] in done.stderr), (flag, done.stderr)
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "gcc-11"])

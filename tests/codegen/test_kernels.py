@@ -5,7 +5,7 @@ import pytest
 
 from tests.commands import finished
 from tests.compilers import where
-from wmr_ctrl.codegen.build import LOOP, build_loop, program_of, unity
+from wmr_ctrl.codegen.build import build_loop, program_of
 from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import elements
@@ -49,18 +49,6 @@ def test_a_logged_sample_equals_the_virtual_machine(law):
             wanted = other.full().ravel()
             near = 1e-13 * (1 + abs(wanted).max(initial=0))
             assert one == pytest.approx(wanted, rel=1e-13, abs=near)
-
-
-@pytest.mark.parametrize("compiler, lanes", [("gcc", 0), ("gcc", 4), ("clang", 0)])
-@pytest.mark.slow_but("gcc-0")
-def test_sources_compile_without_a_warning(compiler, lanes, tmp_path):
-    program = program_of(settle(SCENARIO, "nn"))
-    files = unity(program.generated_lanes, LOOP) if lanes else unity(program.generated)
-    for name, text in files.items():
-        (tmp_path / name).write_text(text, "utf-8")
-    unit = ["library.c", "-DWMR_SET=four", "-DWMR_LANES=4", "-mavx2"] if lanes else ["native.c"]
-    warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
-    finished([where(compiler), "-std=c99", "-O1", *warnings, "-c", *unit], cwd=tmp_path)
 
 
 def test_only_marked_names_leave_the_library():

@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.codegen.measured import FILTERS
-from tests.codegen.test_package import WARNINGS, needs, run
+from tests.codegen.test_package import needs, run
 from tests.commands import flat
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.layouts import VERSION
@@ -33,8 +33,8 @@ GIVEN = {"library.properties", "library.json", "CMakeLists.txt", "idf_component.
          "Kconfig"}  # fmt: skip
 """Names that a tool looks for."""
 BOTH = """#include <string.h>
-#include "FIRST"
-#include "SECOND"
+#include "wmr_prox.h"
+#include "wmr_filter.h"
 int main(void)
 {
     static wmr_prox_parameters p;
@@ -50,7 +50,7 @@ int main(void)
     wmr_prox_defaults(&p), wmr_prox_start(&memory);
     wmr_filter_defaults(&q), wmr_filter_start(&before);
     in.v1_d = asked.v_asked[0] = 1;
-    if (sizeof in.x != 8 || sizeof asked.elapsed != 4 || sizeof(wmr_real) != REAL) {
+    if (sizeof in.x != 8 || sizeof asked.elapsed != 4 || sizeof(wmr_real) != 8) {
         return 1;
     }
     return wmr_prox_step(&p, &memory, &in, &torque) + wmr_filter_step(&q, &before, &asked, &out)
@@ -117,25 +117,8 @@ def two_packages(folder, layout=None):
     written(FILTER, folder, layout, float32=True)
 
 
-def with_main(folder, first="wmr_prox.h", second="wmr_filter.h"):
-    real = 8 if first == "wmr_prox.h" else 4
-    text = BOTH.replace("FIRST", first).replace("SECOND", second).replace("REAL", str(real))
-    (folder / "both.c").write_text(text, "utf-8")
-    return folder / "both.c"
-
-
-@pytest.mark.parametrize("language", ["gcc -std=c99", "g++ -std=c++11 -x c++"])
-@pytest.mark.parametrize("order", [1, -1])
-@pytest.mark.slow_but("1-gcc -std=c99", "-1-g++ -std=c++11 -x c++")
-def test_packages_of_both_precisions_are_in_one_file(language, order, tmp_path):
-    needs("g++")
-    two_packages(tmp_path)
-    main = with_main(tmp_path, *("wmr_prox.h", "wmr_filter.h")[::order])
-    warned = [flag for flag in WARNINGS if not flag.startswith("-std")]
-    for unit in (main, "wmr_prox/wmr_prox.c", "wmr_filter/wmr_filter.c"):
-        run([*language.split(), *warned, "-Iwmr_prox", "-Iwmr_filter", "-c", unit], tmp_path)
-    run(["g++", "both.o", "wmr_prox.o", "wmr_filter.o", "-lm", "-o", "both"], tmp_path)
-    run(["./both"], tmp_path)
+def with_main(folder):
+    (folder / "both.c").write_text(BOTH, "utf-8")
 
 
 def test_packages_are_in_one_cmake_project(tmp_path):

@@ -265,15 +265,12 @@ def ended(pid):
     return False
 
 
-def test_wrong_source_names_line_command_and_remedy():
+def test_wrong_source_names_line_command_and_remedy(tmp_path):
     with pytest.raises(CompilerError) as caught:
         build_library({"wrong.c": "int f(void) { return undeclared_thing; }"})
 
     for part in ("undeclared_thing", "wrong.c", "-ffp-contract=off", "WMR_CTRL_CC"):
         assert part in str(caught.value)
-
-
-def test_compiler_that_cannot_be_started_is_a_compiler_error(tmp_path):
     with pytest.raises(CompilerError, match="missing"):
         compile_library(of(tmp_path / "missing"), [], tmp_path / "lib.so")
 

@@ -7,7 +7,7 @@ import pytest
 
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ArgumentError, ScenarioError
+from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.cosim.run import CosimSetup
 from wmr_ctrl.results import summary
@@ -50,18 +50,9 @@ def eager(foreign, mapped):
     return {"controller": foreign("Eager", EAGER), "map_file": mapped(MAP)}
 
 
-@pytest.mark.slow
-def test_a_law_that_remembers_its_torque_needs_the_guard_in_it(exported):
-    with pytest.raises(ArgumentError, match=r"prox relies on the torque .* with the guard"):
-        cosimulate(SAFE, controller=exported("prox", 2, BARE))
-
-
-@pytest.mark.parametrize("master", ["jacobi", "gauss-seidel"])
-@pytest.mark.slow_but("jacobi")
-def test_the_guard_keeps_a_foreign_controller_within(eager, master):
+def test_the_guard_keeps_a_foreign_controller_within(eager):
     free, run = (
-        cosimulate(case, **eager, master=master, delay_known=master == "jacobi")
-        for case in (BARE, SAFE)
+        cosimulate(case, **eager, master="jacobi", delay_known=True) for case in (BARE, SAFE)
     )
     assert run.monitor.violations == 0 < free.monitor.violations
     assert (run.guard, free.guard) == (True, False)

@@ -1,6 +1,7 @@
 """What FMUs cannot do of a scenario is refused; what their drives and clocks fix, too."""
 
 import ctypes as ct
+import re
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from tests.export.cosim.foreign import LOST, PLANT_MAP
 from tests.export.cosim.test_run import SHORT
 from tests.papers_robot import preset
 from tests.tables import cases, changes
+from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ArgumentError
@@ -101,6 +103,9 @@ def test_a_foreign_plant_is_watched_at_its_own_steps(their_plant):
     assert (run.settings.plant, run.settings.plant_kind) == (0.005, "fmu")
     assert "watched every 0.005 s" in text
     assert "100 plant steps of 0.005 s" in text
+    assert np.abs(run["x"] - simulate(slow, "pid")["x"]).max() < 2e-3
+    told = r"TheirRobot \(TheirRobot\.fmu, FMI 2\.0, sha256 [0-9a-f]{16}\)"
+    assert re.fullmatch(told, run.provenance["fmu_plant"])
 
 
 @pytest.mark.parametrize(
@@ -138,13 +143,6 @@ def test_messages_of_fmi_2_have_their_values(exported, tmp_path):
         assert [*slave.messages] == [f"a step of {size} s"]
     for slave in slaves:
         slave.end()
-
-
-@pytest.mark.slow
-def test_our_files_take_the_masters_timing(exported):
-    """A law exported for masters in order runs under the other one, as one exported for it."""
-    given = cosimulate(SHORT, "nn", controller=exported("nn", 2), master="jacobi")
-    assert np.array_equal(given["x"], cosimulate(SHORT, "nn", master="jacobi")["x"])
 
 
 @pytest.mark.parametrize(

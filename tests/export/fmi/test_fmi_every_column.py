@@ -10,12 +10,11 @@ from functools import cache
 import pytest
 
 from tests.export.fmi.raw import DISCARD, ERROR, OK
-from tests.export.fmi.test_fmi_equality import assert_loop_is, assert_same
+from tests.export.fmi.test_fmi_equality import assert_loop_is
 from tests.tables import changes
 from tests.world.toys import CLOTHOID
 from wmr_ctrl.api import simulate
 from wmr_ctrl.core.signals import REFERENCE
-from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.world.references import REFERENCES
 from wmr_ctrl.world.registry import OURS
 from wmr_ctrl.world.scenario import load_scenario, override
@@ -97,13 +96,6 @@ def test_the_closed_loop_ends_with_the_native_run(raw):
     assert run.monitor.stop_reason == "diverged"
     assert [loop.step(k * 0.01, 0.01) for k in range(run.rows + 1)] == ends
     assert loop.get("tau_right", "tau_left") == [run["tau_right"][-1], run["tau_left"][-1]]
-
-
-@pytest.mark.parametrize("effect, version, guard", [(COUNTED, 2, False), (AVERAGED, 3, True)])
-@pytest.mark.slow
-def test_the_parts(effect, version, guard):
-    scenario = override(scenario_with(effect), {"guard.enabled": guard})
-    assert_same(simulate(scenario, LAW), cosimulate(scenario, LAW, fmi=version))
 
 
 @pytest.mark.slow

@@ -143,17 +143,6 @@ def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
         begins(fmu, "clock.plant", *product(wrong, [ERROR]), *product(right, [OK]))
 
 
-def test_a_rest_of_a_step_is_a_step(raw):
-    """However short it is."""
-    for rest in (5e-6, 5e-4):
-        one, other = (raw("plant", 2).new().begin() for _ in range(2))
-        for instance in (one, other):
-            assert instance.put({"tau_right": 2.0, "tau_left": 1.0}) == OK
-        assert one.step(0.0, 0.01 + rest) == OK
-        assert [other.step(0.0, 0.01), other.step(0.01, rest)] == [OK, OK]
-        assert one.get(*STATE) == pytest.approx(other.get(*STATE), rel=1e-9)
-
-
 def test_states_of_solvers_must_be_numbers(raw):
     for version in (2, 3):
         fmu = raw("plant", version)

@@ -63,8 +63,8 @@ def show(row): print("ROW", *map(float.hex, row))
 def flat(tmp_path):
     """A function: law -> its flat package on 3 s of the paper's circle."""
 
-    def export(law, scenario=SHORT, *, flat=True):
-        return export_ssp(law=law, scenario=scenario, flat=flat, out=tmp_path)[0]
+    def export(law, scenario=SHORT):
+        return export_ssp(law=law, scenario=scenario, flat=True, out=tmp_path)[0]
 
     return export
 
@@ -141,11 +141,9 @@ def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, 
     assert ("wmr.ssp: connections convert units" in done.stderr) == (row == "psi")
 
 
-@pytest.mark.parametrize("is_flat", [False, True])
-@pytest.mark.slow_but("True")
-def test_a_package_tells_its_step_size(flat, is_flat):
+def test_a_package_tells_its_step_size(flat):
     """OMSimulator is told of a weakly coupled system with a fixed step, libcosim of a master."""
-    path = flat("pid", override(SHORT, {"clock.control": 0.02}), flat=is_flat)
+    path = flat("pid", override(SHORT, {"clock.control": 0.02}))
     assert read_ssd(str(path), validate=True) is not None
     about = described(path)
     system = about.find("ssd:System/ssd:Annotations/ssc:Annotation", NAMES)

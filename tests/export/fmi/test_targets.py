@@ -82,20 +82,13 @@ def test_five_platforms_in_one_file(tmp_path, monkeypatch):
 
 @zig
 @pytest.mark.slow
-def test_the_windows_library_computes_the_same_bits_under_wine(tmp_path):
-    there = stepped(tmp_path / "there", "x86_64-windows", ".exe", [where(*WINE)])
-    assert there == stepped(tmp_path / "here", "x86_64-linux")
-
-
-@zig
-@linux
-@pytest.mark.slow
-def test_the_arm_library_computes_the_same_bits_under_qemu(tmp_path):
-    """The dynamic linker and C library of that processor load it from linux64, as on a board."""
-    qemu = where(*QEMU)
-    if not ARM_LIBRARIES.is_dir():
+@pytest.mark.parametrize("target, suffix", [("x86_64-windows", ".exe"), ("aarch64-linux", "")])
+def test_libraries_of_other_platforms_compute_the_same_bits(tmp_path, target, suffix):
+    """Under wine, and under qemu, where that processor's dynamic linker and C library load it."""
+    run = [where(*WINE)] if suffix else [where(*QEMU), "-L", str(ARM_LIBRARIES)]
+    if not suffix and not ARM_LIBRARIES.is_dir():
         pytest.skip("NOT RUN: libc6-arm64-cross is not there")
-    there = stepped(tmp_path / "there", "aarch64-linux", "", [qemu, "-L", str(ARM_LIBRARIES)])
+    there = stepped(tmp_path / "there", target, suffix, run)
     assert there == stepped(tmp_path / "here", "x86_64-linux")
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.architecture.tree import ROOT
 from tests.tables import cases, changes
 from wmr_ctrl.api import export_fmu, simulate
 from wmr_ctrl.control.laws import LAWS
@@ -60,15 +61,16 @@ def test_a_loop_in_modelica_is_the_native_loop(simulated, preset, law, stated):
 
 
 @pytest.mark.slow
-def test_parts_may_be_replaced_by_imports(text, simulated):
-    """Another block takes the place of an FMU's class: ports are all that is asked of it."""
-    part = "Imported.ControllerFmu controller"
-    assert text.count(part) == 1
-    own = text.replace(part, f"{part}(redeclare block Fmu = Laws.Smc)")
-    mine = simulated(own, loop("imported"), 0.5)
-    smc, first = (simulated(text, loop(law), 0.5) for law in ("smc", "imported"))
-    assert max(largest_differences(mine, smc)) < 1e-9
-    assert max(largest_differences(mine, first)) > 0.1
+def test_the_disturbance_of_the_page_is_the_native_push(text, simulated):
+    """A constant thrust, for as long as the robot does not turn back."""
+    page = (ROOT / "docs" / "modelica.md").read_text("utf-8")
+    (model,) = re.findall(r"(?s)block Push.*?end Pushed;", page)
+    found = simulated(f"{text}{model}", "Pushed", 1.0)
+    own = {"clock.duration": 1.0, "clock.plant": 1e-4, "disturbance.push": [20.0, 0.0]}
+    native = simulate(NOMINAL, "pid", overrides=own)
+    forward = int(np.argmax(native["v1"] < 0)) or native.rows
+    assert forward > 20
+    assert np.abs(found["x"] - native["x"])[:forward].max() < 1e3 * EXACT
 
 
 @pytest.mark.parametrize("name", ['a "quoted" one', '</html>"\nb\\'])

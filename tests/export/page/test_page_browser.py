@@ -181,18 +181,6 @@ def test_a_robot_is_dragged_and_thrown(shown):
     assert shown.value("wmr.page.held") is None
 
 
-def test_a_push_ends(shown):
-    """It is gone after half a second, and the scene's own numbers hold again."""
-    shown.value("wmr.page.fleet.advance(5, 1e9), wmr.page.push()")
-    pushed = "wmr.page.fleet.members.get('mb').robot"
-    at = f"{pushed}.places.parameters['disturbance.push[1]']"
-    size = f"{pushed}.numbers({pushed}.parametersAt, 200)[{at}]"
-
-    assert shown.value(size) == 100
-    shown.value("wmr.page.fleet.advance(0.6, 1e9)")
-    assert shown.value(size) == 0
-
-
 @pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize("size", [PHONE, SCREEN])
 def test_nothing_is_wider_than_the_window(opened, size, dark):
