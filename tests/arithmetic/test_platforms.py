@@ -50,7 +50,7 @@ def shown(folder, command, runner=(), flags=FLAGS):
     compile_program(folder, [*command, *own, *flags, f"-I{folder}"], [SOURCE.name], out)
     environment = {**os.environ, **BESIDE_QEMU, **(wine() if runner == WINE else {})}
     command = [*run, *([SCRIPT] if runner == NODE else []), folder / out]
-    printed = finished(command, timeout=300, env=environment).stdout
+    printed = finished(command, env=environment).stdout
     return dict(zip(EVERY, printed.split(), strict=True))
 
 
