@@ -32,13 +32,11 @@ STANDS = {"reference.rate": 0.0}
 """Where a mean, which shows no speed at the first sample, and viscous friction leave the robot."""
 EFFECTS = {
     "none": {},
-    "unmodelled_delay": {"actuator.unmodelled_delay": 0.007},
     "lag": {"actuator.lag": 0.02},
+    "delay": {"actuator.delay": 0.02},
     "delay and lag": {"actuator.delay": 0.013, "actuator.lag": 0.02},
     "window and age": {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01},
     "encoder": {"encoder.counts": 1e12, "encoder.window": 0.02},
-    "gyro": {"gyro.enabled": True, "sensor.velocity_window": 0.03},
-    "wheels": {"wheels.radius": [0.02, -0.01], "wheels.track": 0.03},
     "resistance": {"resistance.viscous": [30.0, 2.0]},
 }
 POSES = [(0.05, 1.0, 1), (0.0, 0.3, 1), (0.1, 0.5, 1), (0.0, 1.0, 7), (0.1, 0.4, 5)]
@@ -62,32 +60,31 @@ def started(scenario, away):
     return np.column_stack((run["e"], run["v1"], run["omega"]))
 
 
-def spread(scenario):
-    """What a small displacement of the start makes of error and velocity (N, 5), per unit."""
-    return (started(scenario, SMALL * AWAY) - started(scenario, -SMALL * AWAY)) / (2 * SMALL)
+def seen_and_told(scenario, every=1):
+    """What a small displacement of the start makes of error and velocity (N, 5), per unit.
 
-
-def by_matrices(scenario, start, every=1):
-    """The same from its first row on, by the linear loop."""
+    By differences of compiled runs, which know nothing of derivatives, and by the linear loop.
+    """
+    one, other = (started(scenario, size * AWAY) for size in (SMALL, -SMALL))
+    seen = (one - other) / (2 * SMALL)
     loop = Loop(settle(scenario, "mb"))
     v_d = sample(scenario, np.array([0.0]))[0][3:5]
     first, pose, none = (closed(loop, v_d, T, sample=k) for k in (0, every, every + 1))
-    x, rows = np.concatenate((start, np.zeros(len(pose) - 5))), []
+    x, rows = np.concatenate((seen[0], np.zeros(len(pose) - 5))), []
     for k in range(SAMPLES):
         rows.append(x[:5])
         x = (first if k == 0 else pose if k % every == 0 else none) @ x
-    return np.array(rows)
+    return seen, np.array(rows)
 
 
-@pytest.mark.parametrize("name", ["delay and lag", "window and age", "encoder", "resistance"])
-@pytest.mark.slow_but("delay and lag")
-def test_a_small_displacement_on_a_circle_follows_the_matrices(name):
-    """Differences of compiled runs, which know nothing of derivatives."""
-    moving = {} if name == "delay and lag" else STANDS
-    scenario = still(EFFECTS[name] | moving)
-    seen = spread(scenario)
+@pytest.mark.parametrize(
+    "name", ["delay", "delay and lag", "window and age", "encoder", "resistance"]
+)
+@pytest.mark.slow_but("delay", "delay and lag")
+def test_a_small_displacement_follows_the_matrices(name):
+    seen, told = seen_and_told(still(EFFECTS[name] | ({} if "delay" in name else STANDS)))
 
-    assert by_matrices(scenario, seen[0]) == pytest.approx(seen, abs=2e-4)
+    assert told == pytest.approx(seen, abs=2e-4)
 
 
 @pytest.mark.parametrize("age, correction, every", POSES)
@@ -98,9 +95,9 @@ def test_a_small_displacement_follows_the_matrices_with_late_filtered_or_rare_po
     """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
     pose = {"sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
             "reference.speed": 0.2, "sensor.pose_period": every * T}  # fmt: skip
-    seen = spread(still(pose))
+    seen, told = seen_and_told(still(pose), every)
 
-    assert by_matrices(still(pose), seen[0], every) == pytest.approx(seen, abs=0.2 * age + 1e-3)
+    assert told == pytest.approx(seen, abs=0.2 * age + 1e-3)
 
 
 def finals(scenario, law, samples):
@@ -159,15 +156,21 @@ def test_the_origin_of_the_path_length_is_no_state():
         assert radius(closed(loop, V_D, T)) < 1
 
 
-def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes():
-    one, other = np.diag((2.0, 0.5)), np.diag((0.1, 4.0))
-    turned = np.array([[0.0, 1.0], [0.0, 0.0]])
+ONE, OTHER, TURNED = np.diag((2.0, 0.5)), np.diag((0.1, 4.0)), np.array([[0.0, 1.0], [0.0, 0.0]])
 
-    assert _of_product([one, other], np.array((3, 1))) == pytest.approx(0.8 ** (1 / 4))
-    assert _of_product([one, other], np.array((2, 6))) == pytest.approx(2.0**1.25)
-    assert _of_product([1.5 * np.eye(2)], np.array((10_000,))) == pytest.approx(1.5)
-    assert _of_product([one, turned], np.array((1, 2))) == 0.0
-    assert _of_product([one, np.full((2, 2), np.nan)], np.array((1, 1))) == np.inf
+
+@pytest.mark.parametrize(
+    "factors, counts, mean",
+    [
+        ((ONE, OTHER), (3, 1), 0.8 ** (1 / 4)),
+        ((ONE, OTHER), (2, 6), 2.0**1.25),
+        ((1.5 * np.eye(2),), (10_000,), 1.5),
+        ((ONE, TURNED), (1, 2), 0.0),
+        ((ONE, np.full((2, 2), np.nan)), (1, 1), np.inf),
+    ],
+)
+def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes(factors, counts, mean):
+    assert _of_product([*factors], np.array(counts)) == pytest.approx(mean)
 
 
 def test_stretches_of_a_reference_share_its_period_and_have_the_velocity_of_their_middles():

@@ -2,9 +2,7 @@
 
 import pytest
 
-from wmr_ctrl import load_scenario
 from wmr_ctrl.theory.checks.sample_time import first_speeds, kink_limits
-from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 
 PERIOD = "clock.control"
 
@@ -49,22 +47,3 @@ def test_guarded_first_step_stays_inside(loop, told):
 
     assert (first_speeds(loop("mb", held)) <= (1, 1.5)).all()
     assert [w.sentence.split()[0] for w in told("mb", held, key=PERIOD)] == [PERIOD]
-
-
-@pytest.mark.parametrize(
-    "law, stated, periods",
-    [("prox", {}, [0.01, 0.02, 0.04]), ("kanayama", {"encoder.window": 0.1}, [0.01, 0.05])],
-    ids=["prox", "kanayama"],
-)
-@pytest.mark.slow
-def test_a_window_of_one_sample_goes_with_the_period(law, stated, periods):
-    """The limit is the same from whatever period the search begins."""
-    base = {"encoder.counts": 1024, "clock.duration": 8.0, "guard.enabled": False, **stated}
-    limits = [limit_at(law, {**base, PERIOD: period}) for period in periods]
-
-    assert limits == pytest.approx([limits[0]] * len(limits), rel=1e-4)
-    assert limits[0] < limit_at(law, {**base, PERIOD: 0.01, "encoder.counts": None})
-
-
-def limit_at(law, changes):
-    return largest_stable_period(load_scenario("safe-simulation", changes), law)

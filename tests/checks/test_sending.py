@@ -1,16 +1,14 @@
 """The linear loop of a base that takes velocities, against its compiled runs."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from tests.corridor.further import EXACT, QUICK
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.check_sentences import stable
-from wmr_ctrl.codegen.functions import loop_functions
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results import split_columns
-from wmr_ctrl.simulation.interpreted import _Run
-from wmr_ctrl.simulation.runnable import settings_of
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.theory.checks.radius import largest_radius
 from wmr_ctrl.theory.checks.sample_time import sample_time
@@ -23,7 +21,6 @@ from wmr_ctrl.theory.checks.stable_ranges import (
     stable_masses,
 )
 from wmr_ctrl.theory.checks.surroundings import IDLE, lost_samples, rounded_effects
-from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, override
 
@@ -35,6 +32,8 @@ BASES = {
     "pi": PI,
     "late": {"base.delay": 0.13},
     "late pi": {**PI, "base.delay": 0.07},
+    "late, standing": {"base.delay": 0.085, "reference.rate": 0.0},
+    "late by a period, standing": {"base.delay": 0.05, "reference.rate": 0.0},
     "ramps": {"base.accel": [1.0, 3.0], "base.jerk": [50.0, 200.0]},
     "slower than believed": {"base.tau": [0.3, 0.2], "base.tau_believed": [0.1, 0.1]},
 }
@@ -57,10 +56,18 @@ def off(scenario, law, away):
     return np.column_stack((run["e"], run["v1"], run["omega"]))
 
 
-@pytest.mark.parametrize("base", ["first-order", "pi", "slower than believed"])
-@pytest.mark.parametrize("law", ["pid", "mb", "prox", "pursuit"])
+@pytest.mark.parametrize(
+    "law, base",
+    [
+        *product(("pid", "mb", "prox", "pursuit"), ("first-order", "pi", "slower than believed")),
+        *product(("pid", "mb", "prox"), ("late, standing", "late by a period, standing")),
+    ],
+)
 def test_a_small_displacement_follows_the_matrices(law, base):
-    """Differences of compiled runs, which know nothing of derivatives."""
+    """Differences of compiled runs, which know nothing of derivatives.
+
+    Commands under way at the start are those of a base that stands.
+    """
     scenario = moving(BASES[base])
     seen = (off(scenario, law, SMALL) - off(scenario, law, -SMALL)) / (2 * SMALL)
     loop = loop_of(settle(scenario, law))
@@ -72,59 +79,6 @@ def test_a_small_displacement_follows_the_matrices(law, base):
         x = (then if k else first) @ x
 
     assert np.array(rows) == pytest.approx(seen, abs=1e-6)
-
-
-def near_rest(scenario, law, away):
-    """Error and velocity (N, 5) of the loop that runs, displaced from where it is told to rest.
-
-    It has rested there for long: so have all commands under way, in the queue of the engine.
-    """
-    setup = settle(scenario, law)
-    loop, desired = loop_of(setup), sample(scenario, np.zeros(1))[0]
-    at = loop.resting(desired[3:5], 0.0, scenario.clock.control)
-    e = at.e + away * AWAY
-    theta = desired[2] - e[2]
-    shift = np.asarray(error_rotation(theta)).T @ e
-    pose = [*(desired[:2] - shift[:2]), theta]
-    own = [item.signal for item in loop.core.state]
-    memory = np.split(at.memory, np.cumsum([item.size for item in own])[:-1])
-    known = dict(zip((item.name for item in own), memory, strict=True))
-    run = _Run(loop_functions(setup), 0, settings_of(scenario))
-    state = [item.name for item in run.numbers.layout.state]
-    numbers = dict(zip(("x", "y", "theta", "v1", "omega"), [*pose, *at.v], strict=True)) | known
-    sizes = [item.size for item in run.numbers.layout.state]
-    run.x = np.concatenate([
-        np.broadcast_to(numbers.get(name, 0.0), size)
-        for name, size in zip(state, sizes, strict=True)
-    ])  # fmt: skip
-    run.queue[:] = at.force
-    columns = split_columns(
-        run.numbers.layout.columns, np.array([run.sample(k) for k in range(40)])
-    )
-    return np.column_stack((columns["e"], columns["v1"], columns["omega"]))
-
-
-@pytest.mark.parametrize("periods", [0.3, 1.0, 1.7])
-@pytest.mark.parametrize("law", ["mb", "prox", "pid"])
-def test_the_linear_queue_of_commands_equals_that_of_the_engine(law, periods):
-    """Differences about where the loop rests, of the engine whose queue is a ring of plant steps.
-
-    The gains are not 1, so it does not rest on its reference.
-    """
-    late = {"base.delay": periods * 0.05, "base.gain": [1.3, 0.8], "clock.plant": 0.005}
-    scenario = moving(late)
-    there, one, other = (near_rest(scenario, law, away) for away in (0.0, SMALL, -SMALL))
-    seen = (one - other) / (2 * SMALL)
-    loop = loop_of(settle(scenario, law))
-    at = loop.resting(sample(scenario, np.zeros(1))[0][3:5], 0.0, 0.05)
-    assert at is not None
-    matrix = loop.closed(at, 0.05)
-    x = np.concatenate((seen[0], np.zeros(len(matrix) - 5)))
-    expected = [x[:5]] + [(x := matrix @ x)[:5] for _ in seen[1:]]
-
-    assert there == pytest.approx(np.tile(at.s, (len(there), 1)), abs=1e-9)
-    assert np.abs(at.e).max() > 1e-3 or law == "prox"
-    assert np.array(expected) == pytest.approx(seen, abs=1e-6)
 
 
 @pytest.mark.parametrize(

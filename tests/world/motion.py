@@ -3,6 +3,7 @@
 import casadi as ca
 import numpy as np
 
+from tests.tables import changes
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.world.effect import EffectRole
 from wmr_ctrl.world.model.evaluate import evaluated
@@ -11,25 +12,28 @@ from wmr_ctrl.world.scenario import load_scenario, override
 
 SHORT = {"clock.duration": 0.5, "disturbance.std": 0.5, "disturbance.truncate": 3.0}
 EFFECTS = {
-    "encoder": {"encoder.counts": 1024},
-    "encoder over a window": {"encoder.counts": 1024, "encoder.window": 0.03},
-    "encoder by time": {"encoder.counts": 1024, "encoder.method": "time"},
-    "averaged velocity": {"sensor.velocity_window": 0.02},
-    "late velocity": {"sensor.velocity_age": 0.01},
-    "lost velocities": {"sensor.velocity_losses": 3},
-    "gyro": {"gyro.enabled": True, "gyro.bias": 0.01, "gyro.noise": 0.01},
-    "late pose": {"sensor.pose_delay": 0.05},
-    "lost poses": {"sensor.pose_dropout": 0.3, "sensor.pose_noise": 0.02},
-    "jitter": {"actuator.jitter": 0.005},
-    "jitter of a delay": {"actuator.jitter": 0.01, "actuator.delay": 0.007},
-    "untold delay": {"actuator.unmodelled_delay": 0.004},
-    "lag that varies": {"actuator.lag": 0.02, "actuator.lag_spread": 0.5},
-    "motor": {"motor.step": 0.2, "motor.dead_zone": 0.1, "motor.stall": 20.0, "motor.free": 30.0},
-    "wheels": {"wheels.radius": [0.02, -0.01], "wheels.track": 0.02},
-    "slope": {"slope.angle": 0.03, "slope.direction": 0.5, "slope.offset": 0.02},
-    "resistance": {"resistance.rolling": [0.01, 0.012], "resistance.viscous": [2.0, 0.1]},
-    "gust": {"gust.size": [5.0, 1.0], "gust.time": 0.1},
-}
+    name.strip(): changes(text)
+    for name, text in (line.split(" | ") for line in """
+        encoder | encoder.counts = 1024
+        encoder over a window | encoder.counts = 1024; encoder.window = 0.03
+        encoder by time | encoder.counts = 1024; encoder.method = time
+        averaged velocity | sensor.velocity_window = 0.02
+        late velocity | sensor.velocity_age = 0.01
+        lost velocities | sensor.velocity_losses = 3
+        gyro | gyro.enabled = true; gyro.bias = 0.01; gyro.noise = 0.01
+        late pose | sensor.pose_delay = 0.05
+        lost poses | sensor.pose_dropout = 0.3; sensor.pose_noise = 0.02
+        jitter | actuator.jitter = 0.005
+        jitter of a delay | actuator.jitter = 0.01; actuator.delay = 0.007
+        untold delay | actuator.unmodelled_delay = 0.004
+        lag that varies | actuator.lag = 0.02; actuator.lag_spread = 0.5
+        motor | motor.step = 0.2; motor.dead_zone = 0.1; motor.stall = 20.0; motor.free = 30.0
+        wheels | wheels.radius = [0.02, -0.01]; wheels.track = 0.02
+        slope | slope.angle = 0.03; slope.direction = 0.5; slope.offset = 0.02
+        resistance | resistance.rolling = [0.01, 0.012]; resistance.viscous = [2.0, 0.1]
+        gust | gust.size = [5.0, 1.0]; gust.time = 0.1
+    """.strip().splitlines())
+}  # fmt: skip
 PARTS = ("encoder over a window", "gyro", "late pose", "lost poses", "jitter of a delay",
          "lag that varies", "motor", "wheels", "slope", "resistance", "gust")  # fmt: skip
 TOGETHER = {key: value for part in PARTS for key, value in EFFECTS[part].items()}
@@ -37,8 +41,8 @@ ALL = {**EFFECTS, "all at once": TOGETHER}
 LAW = "mb"
 
 
-def scenario(changes):
-    return scenario_of("paper-simulation", {**SHORT, **changes})
+def scenario(stated):
+    return scenario_of("paper-simulation", {**SHORT, **stated})
 
 
 def motion(count=400, late=0):
@@ -77,14 +81,14 @@ def fed(system, columns):
     return np.array(shown)
 
 
-def fed_to(effect, changes, columns):
+def fed_to(effect, stated, columns):
     """Outputs of an effect's System for a motion."""
-    return fed(effect.build(scenario(changes)), columns)
+    return fed(effect.build(scenario(stated)), columns)
 
 
-def bound_of(effect, changes):
+def bound_of(effect, stated):
     assert effect.bound is not None
-    return effect.bound(scenario(changes))
+    return effect.bound(scenario(stated))
 
 
 BASE = {

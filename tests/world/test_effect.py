@@ -6,6 +6,7 @@ import pytest
 
 from tests import oracle
 from tests.papers_robot import paper
+from tests.tables import cases, changes
 from tests.world.motion import (
     ALL,
     EFFECTS,
@@ -45,9 +46,9 @@ def test_laws_see_only_measured_values():
     What the graph of a sample reads of the plant is the way and the orientation that encoders
     count, omega for the gyro, and the pose; with the pose's sensor frozen, nothing else.
     """
-    changes = {**EFFECTS["encoder"], "actuator.lag": 0.02, "disturbance.std": 0.0}
+    counted = {**EFFECTS["encoder"], "actuator.lag": 0.02, "disturbance.std": 0.0}
     for law in ("nn", "prox"):
-        loop = LoopGraphs(settle(scenario(changes), law))
+        loop = LoopGraphs(settle(scenario(counted), law))
         true = {item.signal.name: item.sym for item in loop.plant.state}
         torque = loop.sample.column(TORQUE)
         seen = {name for name, sym in true.items() if ca.depends_on(torque, sym)}
@@ -55,12 +56,8 @@ def test_laws_see_only_measured_values():
 
 
 def test_delays_of_effects_add_up_and_a_lag_cannot_be_split():
-    changes = {
-        **EFFECTS["jitter of a delay"],
-        "actuator.unmodelled_delay": 0.004,
-        **EFFECTS["encoder"],
-    }
-    bound = settle(scenario(changes), LAW).bound
+    late = {**EFFECTS["jitter of a delay"], "actuator.unmodelled_delay": 0.004}
+    bound = settle(scenario({**late, **EFFECTS["encoder"]}), LAW).bound
 
     assert (bound.delay, bound.jitter) == (pytest.approx(0.021), 0.01)
     assert bound.window == (0.01, 0.01)
@@ -68,23 +65,26 @@ def test_delays_of_effects_add_up_and_a_lag_cannot_be_split():
     assert "0.01 s cannot vary by 0.02" in total([Bound(delay=0.01, jitter=0.02)]).void
 
 
-@pytest.mark.parametrize("changes, message", [
-    ({"encoder.counts": 10.5}, r"encoder\.counts = 10\.5 must be a whole number"),
-    ({"encoder.counts": 64, "encoder.window": 0.015}, r"encoder\.window = 0\.015 s .*control"),
-    ({"encoder.counts": 64, "sensor.velocity_window": 0.01}, r"encoder\.counts = 64 both"),
-    ({"actuator.jitter": 0.02}, r"actuator\.jitter = 0\.02 s must be at most clock\.control"),
-    ({"guard.delay": [0.02, 0.01]}, r"guard\.delay = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02"),
-    ({"guard.lag": [0.02, 0.01]}, r"guard\.lag = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02"),
-    ({"guard.delay": [0.0, 0.02]}, r"guard\.delay = .* may not vary by more than clock\.control"),
-    ({"guard.delay": [-0.01, 0.01]}, r"guard\.delay\[1\] = -0\.01 must be at least 0"),
-    ({"actuator.lag": [0.02, 0.03]}, r"actuator\.lag = "),
-    ({"actuator.jitter": [0.0, 0.005]}, r"actuator\.jitter = "),
-    ({"actuator.jitter": 0.0015}, r"actuator\.jitter = 0\.0015 s .*clock\.plant"),
-    ({"motor.free": 20.0}, r"motor\.free = 20\.0 rad/s does nothing without motor\.stall"),
-], ids=str)  # fmt: skip
-def test_bad_numbers_are_refused_with_key_and_remedy(changes, message):
+BAD = r"""
+    encoder.counts = 10.5 | encoder\.counts = 10\.5 must be a whole number
+    encoder.counts = 64; encoder.window = 0.015 | encoder\.window = 0\.015 s .*control
+    encoder.counts = 64; sensor.velocity_window = 0.01 | encoder\.counts = 64 both
+    actuator.jitter = 0.02 | actuator\.jitter = 0\.02 s must be at most clock\.control
+    guard.delay = [0.02, 0.01] | guard\.delay = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02
+    guard.lag = [0.02, 0.01] | guard\.lag = \[0\.02, 0\.01\].*wrong way.*\[0\.01, 0\.02
+    guard.delay = [0.0, 0.02] | guard\.delay = .* may not vary by more than clock\.control
+    guard.delay = [-0.01, 0.01] | guard\.delay\[1\] = -0\.01 must be at least 0
+    actuator.lag = [0.02, 0.03] | actuator\.lag =
+    actuator.jitter = [0.0, 0.005] | actuator\.jitter =
+    actuator.jitter = 0.0015 | actuator\.jitter = 0\.0015 s .*clock\.plant
+    motor.free = 20.0 | motor\.free = 20\.0 rad/s does nothing without motor\.stall
+"""
+
+
+@pytest.mark.parametrize("text, message", cases(BAD))
+def test_bad_numbers_are_refused_with_key_and_remedy(text, message):
     with pytest.raises(ScenarioError, match=message):
-        scenario(changes)
+        scenario(changes(text))
 
 
 @pytest.mark.parametrize("axis", [0, 1])

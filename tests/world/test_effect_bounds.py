@@ -5,6 +5,7 @@ import math
 import casadi as ca
 import pytest
 
+from tests.tables import changes
 from tests.world.motion import (
     bound_of,
 )
@@ -23,37 +24,38 @@ SLIDES = 50.0 * 9.81 * math.sin(0.05)
 ROLLS = 0.005 * 50.0 * 9.81 / 2
 
 
-@pytest.mark.parametrize("effect, changes, dbar", [
-    (MOTOR, {"motor.step": 0.4}, (4.0, 1.0)),
-    (MOTOR, {"motor.dead_zone": 0.3}, (6.0, 1.5)),
+@pytest.mark.parametrize("effect, text, dbar", [
+    (MOTOR, "motor.step = 0.4", (4.0, 1.0)),
+    (MOTOR, "motor.dead_zone = 0.3", (6.0, 1.5)),
     # The line leaves 7.219 N m and 9.281 N m at the rims of 1 m/s and 1.5 rad/s.
-    (MOTOR, {"motor.stall": 11.0, "motor.free": 40.0}, (35.0, 6.953125)),
-    (WHEELS, {"wheels.radius": [0.02, 0.02]}, (200 * (1 - 1 / 1.02), 50 * (1 - 1 / 1.02))),
-    (WHEELS, {"wheels.radius": [0.02, -0.02], "wheels.track": -0.03}, (4.0016, 1.48059)),
-    (WHEELS, {"wheels.track": 0.05}, (0.0, 2.5)),
-    (SLOPE, {"slope.angle": 0.05, "slope.direction": 1.0, "slope.offset": -0.03},
+    (MOTOR, "motor.stall = 11.0; motor.free = 40.0", (35.0, 6.953125)),
+    (WHEELS, "wheels.radius = [0.02, 0.02]", (200 * (1 - 1 / 1.02), 50 * (1 - 1 / 1.02))),
+    (WHEELS, "wheels.radius = [0.02, -0.02]; wheels.track = -0.03", (4.0016, 1.48059)),
+    (WHEELS, "wheels.track = 0.05", (0.0, 2.5)),
+    (SLOPE, "slope.angle = 0.05; slope.direction = 1.0; slope.offset = -0.03",
      (SLIDES, 0.03 * SLIDES)),
-    (RESISTANCE, {"resistance.rolling": [0.01, 0.015], "resistance.viscous": [5.0, 0.2]},
+    (RESISTANCE, "resistance.rolling = [0.01, 0.015]; resistance.viscous = [5.0, 0.2]",
      (ROLLS, 0.25 * ROLLS)),
 ])  # fmt: skip
-def test_force_bounds_equal_numbers_by_hand(effect, changes, dbar):
+def test_force_bounds_equal_numbers_by_hand(effect, text, dbar):
     """Torques up to 10 N m at wheels of 0.1 m, 0.25 m from the middle, and 50 kg."""
-    bound = bound_of(effect, {**LIMITED, **changes})
+    bound = bound_of(effect, {**LIMITED, **changes(text)})
 
     assert bound.dbar == pytest.approx(dbar, rel=1e-5)
     assert bound.void == ""
 
 
-@pytest.mark.parametrize("counts, wheels, nbar", [
-    (256, {}, (COUNT, COUNT / 0.25)),
+@pytest.mark.parametrize("text, nbar", [
+    ("encoder.counts = 256", (COUNT, COUNT / 0.25)),
     # Speeds of other wheels, converted with the numbers of the believed ones.
-    (1e9, {"wheels.radius": [0.1, -0.2], "wheels.track": 0.3}, (0.162642, 1.286932)),
-    (1e9, {"wheels.radius": [-0.1, 0.15], "wheels.track": -0.3}, (0.041365, 0.943237)),
-    (1e9, {"wheels.radius": [0.2, 0.1]}, (0.142992, 0.344697)),
-    (1e9, {"wheels.track": 0.4}, (0.0, 0.6)),
+    ("wheels.radius = [0.1, -0.2]; wheels.track = 0.3", (0.162642, 1.286932)),
+    ("wheels.radius = [-0.1, 0.15]; wheels.track = -0.3", (0.041365, 0.943237)),
+    ("wheels.radius = [0.2, 0.1]", (0.142992, 0.344697)),
+    ("wheels.track = 0.4", (0.0, 0.6)),
 ])  # fmt: skip
-def test_encoder_bounds_equal_numbers_by_hand(counts, wheels, nbar):
-    bound = bound_of(ENCODER, {"encoder.counts": counts, "encoder.window": 0.05, **wheels})
+def test_encoder_bounds_equal_numbers_by_hand(text, nbar):
+    finest = "encoder.counts = 1e9; encoder.window = 0.05"
+    bound = bound_of(ENCODER, changes(f"{finest}; {text}"))
 
     assert bound.nbar == pytest.approx(nbar, rel=1e-5, abs=1e-6)
     assert bound.window == (0.05, 0.05)

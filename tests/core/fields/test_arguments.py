@@ -100,7 +100,6 @@ def test_every_public_name_is_walked():
 @pytest.mark.parametrize("name", [name for name in GOOD if GOOD[name]])
 @pytest.mark.slow_but(
     "compile_law",
-    "cosimulate",
     "load_run",
     "load_scenario",
     "prove",

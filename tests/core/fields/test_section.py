@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
+import tomllib
 from dataclasses import FrozenInstanceError, fields
 
 import numpy as np
 import pytest
 
 from tests.papers_robot import paper
+from tests.tables import cases
 from wmr_ctrl.core.errors import ScenarioError, UnknownKeyError, UnknownNameError
 from wmr_ctrl.core.fields.section import Section, build, quantity
 from wmr_ctrl.core.fields.values import Frozen
@@ -51,33 +54,41 @@ def test_values_take_the_type_of_the_default():
         gains.nodes = 9
 
 
-@pytest.mark.parametrize(
-    "name, value, message",
-    [
-        ("rho", [1.0], "gains.toy.rho = [1.0] must be an array of 2 numbers"),
-        ("rho", 1.0, "gains.toy.rho = 1.0 must be an array of 2 numbers"),
-        ("rho", "ab", 'gains.toy.rho = "ab" must be an array of 2 numbers'),
-        ("rho", [1.0, 0.0], "gains.toy.rho[2] = 0.0 must be above 0"),
-        ("rho", [True, 1.0], "gains.toy.rho[1] = true must be a number"),
-        ("nodes", 1.5, "gains.toy.nodes = 1.5 must be a whole number"),
-        ("nodes", 0, "gains.toy.nodes = 0 must be at least 1"),
-        ("nodes", 2000, "gains.toy.nodes = 2000 must be at most 1000"),
-        ("method", "explict", 'gains.toy.method = "explict" is not known (update); near: explicit'),
-        ("method", 3, "gains.toy.method = 3 must be text"),
-        ("leak", 1, "gains.toy.leak = 1 must be true or false"),
-        ("cap", math.nan, "gains.toy.cap = nan must be a finite number"),
-        ("cap", -math.inf, "gains.toy.cap = -inf must be above 0"),
-        ("share", 1.0, "gains.toy.share = 1.0 must be below 1"),
-        ("share", None, "gains.toy.share = None must be a number"),
-        ("share", 10**400, "gains.toy.share = an integer beyond 1e30 must be at most 1e+12"),
-    ],
-)
-def test_errors_start_with_the_key_and_tell_the_rule(name, value, message):
-    for make in (lambda: build(Gains, {name: value}), lambda: Gains(**{name: value})):
+WRONG = """
+    rho = [1.0] | gains.toy.rho = [1.0] must be an array of 2 numbers
+    rho = 1.0 | gains.toy.rho = 1.0 must be an array of 2 numbers
+    rho = "ab" | gains.toy.rho = "ab" must be an array of 2 numbers
+    rho = [1.0, 0.0] | gains.toy.rho[2] = 0.0 must be above 0
+    rho = [true, 1.0] | gains.toy.rho[1] = true must be a number
+    nodes = 1.5 | gains.toy.nodes = 1.5 must be a whole number
+    nodes = 0 | gains.toy.nodes = 0 must be at least 1
+    nodes = 2000 | gains.toy.nodes = 2000 must be at most 1000
+    method = "explict" | gains.toy.method = "explict" is not known (update); near: explicit
+    method = 3 | gains.toy.method = 3 must be text
+    leak = 1 | gains.toy.leak = 1 must be true or false
+    cap = nan | gains.toy.cap = nan must be a finite number
+    cap = -inf | gains.toy.cap = -inf must be above 0
+    share = 1.0 | gains.toy.share = 1.0 must be below 1
+"""
+
+
+@pytest.mark.parametrize("toml, message", cases(WRONG))
+def test_errors_start_with_the_key_and_tell_the_rule(toml, message):
+    values = tomllib.loads(toml)
+    for make in (lambda: build(Gains, values), lambda: Gains(**values)):
         with pytest.raises(ScenarioError) as caught:
             make()
         assert str(caught.value).startswith(message)
         assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "value, message",
+    [(None, "None must be a number"), (10**400, "an integer beyond 1e30 must be at most 1e+12")],
+)
+def test_values_that_no_file_has_are_told_too(value, message):
+    with pytest.raises(ScenarioError, match=re.escape(f"gains.toy.share = {message}")):
+        build(Gains, {"share": value})
 
 
 def test_unknown_keys_are_both_kinds_of_error():

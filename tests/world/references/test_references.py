@@ -1,7 +1,6 @@
 """Desired trajectories: what a wheeled robot can follow, and that the velocities belong to it."""
 
 import math
-from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -86,23 +85,6 @@ def test_orientation_counts_the_turns_of_a_lap(reference, turns):
 
     assert end[2] - start[2] == pytest.approx(2 * math.pi * turns, abs=1e-9)
     assert -math.pi <= start[2] <= math.pi
-
-
-@pytest.mark.parametrize("reference", ALL, ids=name_of)
-def test_numbers_are_parameters_of_the_graph(reference):
-    """The graph of another reference of the same structure is the same, so nothing recompiles."""
-    faster = {"rate": 2.0, "speed": 2.0}
-    other = replace(
-        reference,
-        **{k: v * getattr(reference, k) for k, v in faster.items() if hasattr(reference, k)},
-    )
-    t, p, path, _ = graph_of(reference)
-    _, _, _, numbers = graph_of(other)
-    times = instants(other, 50)
-    shared = ca.Function("shared", [t, p], [path])
-
-    found = np.asarray(shared(times.reshape(1, -1), numbers)).T
-    np.testing.assert_allclose(found, sample(other, times), rtol=1e-14, atol=1e-15)
 
 
 def test_waypoints_are_passed_in_order():

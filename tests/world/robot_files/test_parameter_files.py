@@ -152,7 +152,6 @@ BOMB = "".join(
 FAULTS = {
     "is of no known kind": "a: {ros__parameters: {b: 1}}",
     "no known kind": "- 1",
-    "no node of it is a diff_drive": "car: {ros__parameters: {wheelbase: 1.0, wheel_radius: 0.3}}",
     "has two differential drives, base and other": CONTROLLER
     + "other: {ros__parameters: {wheel_separation: 1.0}}",
     "is not YAML": "a: [",
@@ -165,7 +164,6 @@ FAULTS = {
     "substitution": CONTROLLER.replace(RADIUS, 'wheel_radius: "$(var r)"'),
     "is no point": NAV2.replace("[-0.3, 0.4]", "0.3"),
     "has an alias": "a: &a [1,1,1,1,1,1,1,1,1]\n" + BOMB,
-    "nested too deeply": "[" * 5000,
 }  # fmt: skip
 
 

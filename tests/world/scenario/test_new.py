@@ -45,7 +45,7 @@ FOUND = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(values=FOUND, shape=between(0.2, 4), base=st.sampled_from(BASES))
 def test_any_subset_of_findings_makes_a_scenario_that_keeps_its_limits_and_tracks(
     values, shape, base

@@ -2,14 +2,13 @@
 
 import math
 from dataclasses import replace
-from operator import attrgetter
 
 import numpy as np
 import pytest
 
+from tests.tables import cases, changes
 from wmr_ctrl.core.errors import ScenarioError, UnknownNameError
-from wmr_ctrl.world.references import Circle, Line
-from wmr_ctrl.world.scenario import Change, load_scenario, override, parse_assignments
+from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override, parse_assignments
 from wmr_ctrl.world.scenario.raw import parse_key, parse_value
 
 
@@ -60,67 +59,65 @@ def test_assignments():
 
 
 PAPER = load_scenario("paper-simulation")
-RESTING = Change(t=50.0, mu=0)
+AGREE = """
+    robot.m = 60 | robot.m = 60.0
+    robot = {m = 60} | robot.m = 60.0
+    limits.v_u2[1] = 0.7 | limits.v_u2 = [0.7, 1.3]
+    limits.v_u1 = 2,2; limits.v_u2 = 1.5,1.5 | limits.v_u1 = [2, 2]; limits.v_u2 = [1.5, 1.5]
+    gains.mb.rho = 20,60 | gains.mb.rho = [20.0, 60.0]
+    changes = [] | changes = []
+    changes[1].m = 30 | changes = [{FIRST, m = 30, mu = 0.15}]
+    changes[1].mu = none | changes = [{FIRST, m = 65}]
+    changes[2].t = 50; changes[2].mu = 0 | changes = [{FIRST, m = 65, mu = 0.15}, {t = 50, mu = 0}]
+    changes[2] = {t = 50, mu = 0} | changes = [{FIRST, m = 65, mu = 0.15}, {t = 50, mu = 0}]
+    clock.duration = 10 | clock.duration = 10; changes = []
+    clock.duration = 50 | clock.duration = 50.0
+    reference.kind = line | reference = {kind = "line", speed = 0.5}
+    reference.speed = 1; reference.kind = line | reference = {kind = "line", speed = 1}
+    reference.kind = circle | reference = {kind = "circle", radius = 2, rate = 0.1}
+    reference.radius = 3 | reference = {kind = "circle", radius = 3, rate = 0.1}
+"""
 
 
-@pytest.mark.parametrize(
-    "overrides, expected",
-    [
-        ({"robot.m": "60"}, {"robot.m": 60.0}),
-        ({"robot.m": np.float64(60)}, {"robot.m": 60.0}),
-        ({"robot": "{m = 60}"}, {"robot.m": 60.0, "robot.r": 0.1}),
-        ({"limits.v_u2": np.array([0.7, 1.2])}, {"limits.v_u2": (0.7, 1.2)}),
-        ({"limits.v_u2[1]": "0.7"}, {"limits.v_u2": (0.7, 1.3)}),
-        ({"limits.v_u1": "2,2", "limits.v_u2": "1.5,1.5"}, {"limits.v_u2": (1.5, 1.5)}),
-        ({"gains.mb.rho": "20,60"}, {"gains": {**PAPER.gains, "mb": {"rho": (20.0, 60.0)}}}),
-        ({"changes": "[]"}, {"changes": ()}),
-        ({"changes[1].m": "30"}, {"changes": (replace(PAPER.changes[0], m=30.0),)}),
-        ({"changes[2].t": "50", "changes[2].mu": "0"}, {"changes": (*PAPER.changes, RESTING)}),
-        ({"changes[2]": {"t": 50, "mu": 0}}, {"changes": (*PAPER.changes, RESTING)}),
-        ({"changes[1].mu": "none"}, {"changes": (replace(PAPER.changes[0], mu=None),)}),
-        ({"clock.duration": "10"}, {"changes": (), "clock.samples": 1000}),
-        ({"clock.duration": "50"}, {"changes": PAPER.changes}),
-        ({"reference.kind": "line"}, {"reference": Line(speed=0.5)}),
-        ({"reference.speed": "1", "reference.kind": "line"}, {"reference": Line(speed=1)}),
-        ({"reference.kind": "circle"}, {"reference": Circle(radius=2, rate=0.1)}),
-        ({"reference.radius": "3"}, {"reference": Circle(radius=3, rate=0.1)}),
-    ],
-    ids=str,
-)
-def test_override_by_name_and_of_a_scenario_agree(overrides, expected):
-    loaded = load_scenario("paper-simulation", overrides)
+@pytest.mark.parametrize("text, toml", cases(AGREE))
+def test_overrides_by_name_and_of_a_scenario_are_as_if_a_file_said_so(text, toml):
+    lines = toml.replace("FIRST", "t = 40.0, I = 7.0").replace("; ", "\n")
+    file = loads_scenario(f'extends = "paper-simulation"\n{lines}', PAPER.name)
 
-    assert {key: attrgetter(key)(loaded) for key in expected} == expected
-    assert override(PAPER, overrides) == loaded
+    assert load_scenario("paper-simulation", changes(text)) == override(PAPER, changes(text))
+    assert replace(override(PAPER, changes(text)), title="") == replace(file, title="")
 
 
-@pytest.mark.parametrize(
-    "overrides, message",
-    [
-        ({"robot.mass": 3}, r"^robot\.mass is not a key in robot; near: m"),
-        ({"limts.v_u1": 3}, r"^limts is not a key .*near: limits"),
-        (
-            {"limits.v_u2[3]": 3},
-            r"^limits\.v_u2\[3\] does not exist: .*outside an array of 2 element",
-        ),
-        ({"limits.v_u2[0]": 3}, r"^limits\.v_u2\[0\] does not exist"),
-        ({"changes[3].t": 3}, r"^changes\[3\]\.t does not exist"),
-        ({"changes[1].t": 90}, r"^changes\[1\]\.t = 90\.0 s must be before the run's end"),
-        ({"clock.duration": 10, "changes[1].m": 9}, r"^changes\[1\]\.t = 40\.0 s must be before"),
-        ({"gains.nn.sigma[1]": 3}, r"^gains\.nn\.sigma\[1\] cannot be .*Give the whole array"),
-        ({"robot.m.x": 3}, r"^robot\.m\.x does not exist"),
-        ({"limits.v_u2": "1.6,1"}, r"^limits\.v_u2\[1\] = 1\.6 must be below limits\.v_u1\[1\]"),
-        ({"reference.kind": "lin"}, r'^reference\.kind = "lin" is not a kind.*near: line'),
-        ({"reference.file": "x.csv"}, r"^reference\.file is not a key in reference"),
-        ({"extends": "far-start"}, r"^extends is not a key"),
-        ({"gains.nn.sigma[2]": 3}, r"because gains\.nn\.sigma is not stated here"),
-        ({"guard.dbar[1]": 3}, r"because guard\.dbar is not stated here. Give the whole array"),
-        ({"robot.m[1]": 3}, r"robot\.m is 50\.0, which has no parts"),
-        ({"changes[3].mu": 3}, r"index 3 is outside an array of 1"),
-    ],
-    ids=str,
-)
-def test_overrides_are_checked(overrides, message):
+def test_overrides_may_be_numbers_of_numpy():
+    mass, limits = np.float64(60), np.array([0.7, 1.2])
+    made = override(PAPER, {"robot.m": mass, "limits.v_u2": limits})
+
+    assert (made.robot.m, made.limits.v_u2) == (60.0, (0.7, 1.2))
+
+
+REFUSED = r"""
+    robot.mass = 3 | ^robot\.mass is not a key in robot; near: m
+    limts.v_u1 = 3 | ^limts is not a key .*near: limits
+    limits.v_u2[3] = 3 | ^limits\.v_u2\[3\] does not exist: .*outside an array of 2 element
+    limits.v_u2[0] = 3 | ^limits\.v_u2\[0\] does not exist
+    changes[3].t = 3 | ^changes\[3\]\.t does not exist
+    changes[1].t = 90 | ^changes\[1\]\.t = 90\.0 s must be before the run's end
+    clock.duration = 10; changes[1].m = 9 | ^changes\[1\]\.t = 40\.0 s must be before
+    gains.nn.sigma[1] = 3 | ^gains\.nn\.sigma\[1\] cannot be .*Give the whole array
+    robot.m.x = 3 | ^robot\.m\.x does not exist
+    limits.v_u2 = 1.6,1 | ^limits\.v_u2\[1\] = 1\.6 must be below limits\.v_u1\[1\]
+    reference.kind = lin | ^reference\.kind = "lin" is not a kind.*near: line
+    reference.file = x.csv | ^reference\.file is not a key in reference
+    extends = far-start | ^extends is not a key
+    gains.nn.sigma[2] = 3 | because gains\.nn\.sigma is not stated here
+    guard.dbar[1] = 3 | because guard\.dbar is not stated here. Give the whole array
+    robot.m[1] = 3 | robot\.m is 50\.0, which has no parts
+    changes[3].mu = 3 | index 3 is outside an array of 1
+"""
+
+
+@pytest.mark.parametrize("text, message", cases(REFUSED))
+def test_overrides_are_checked(text, message):
     for make, whole in ((load_scenario, "paper-simulation"), (override, PAPER)):
         with pytest.raises((ScenarioError, UnknownNameError), match=message):
-            make(whole, overrides)
+            make(whole, changes(text))

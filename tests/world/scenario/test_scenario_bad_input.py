@@ -7,95 +7,78 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.papers_robot import paper_toml
+from tests.tables import cases
 from wmr_ctrl.core.errors import ScenarioError, WmrError
 from wmr_ctrl.world.scenario import Scenario, load_scenario
 
-TWO_CHANGES = "[[changes]]\nt = 40.0\nm = 60.0\n[[changes]]\n"
-POINTS = "[reference]\nkind = 'waypoints'\npoints = "
-
-CASES = {
-    "not a number": ("[robot]\nm = nan", "robot.m = nan must be a finite number"),
-    "text": ("[robot]\nm = 'heavy'", 'robot.m = "heavy" must be a number'),
-    "huge": ("[robot]\nm = 1e300", "robot.m = 1e+300 must be at most 1e+12"),
-    "element": ("[limits]\nv_u1 = [1.0, nan]", "limits.v_u1[2] = nan must be a finite number"),
-    "limits 1": (
-        "[limits]\nv_u2 = [1.6, 1.3]",
-        "limits.v_u2[1] = 1.6 must be below limits.v_u1[1] = 1.0 m/s",
-    ),
-    "clip": ("[limits]\nclip = 0.25", "limits.clip = 0.25 must be below v_u1[1] - v_u2[1]"),
-    "duration": (
-        "[clock]\nduration = 80.005",
-        "clock.duration = 80.005 s must be a whole multiple",
-    ),
-    "period": ("[clock]\nplant = 0.003", "clock.control = 0.01 s must be a whole multiple"),
-    "too long": ("[clock]\nduration = 1e9", "clock.duration = 1000000000.0 s is 1e+11 times"),
-    "pose period": (
-        "[sensor]\npose_period = 0.025",
-        "sensor.pose_period = 0.025 s must be a whole",
-    ),
-    "delay": ("[actuator]\ndelay = 0.0005", "actuator.delay = 0.0005 s must be a whole multiple"),
-    "kind": (
-        "[reference]\nkind = 'cirle'",
-        'reference.kind = "cirle" is not a kind of reference; near',
-    ),
-    "key": ("[limits]\nv_u3 = 1", "limits.v_u3 is not a key in limits; near: v_u2, v_u1"),
-    "key of another kind": ("[reference]\nspeed = 1", "reference.speed is not a key in reference"),
-    "section": ("[limit]\nv_u2 = 1", "limit is not a key at the top of a scenario; near: limits"),
-    "no table": ("robot = 5", "robot = 5 must be a table, written as [robot]"),
-    "no array": ("[changes]\nt = 5", "changes = a table must be an array of tables, [[changes]]"),
-    "no tables": ("changes = [5]", "changes[1] = 5 must be a table, written as [[changes]]"),
-    "late": (
-        "[[changes]]\nt = 80.0\nm = 60.0",
-        "changes[1].t = 80.0 s must be before the run's end",
-    ),
-    "twins": (
-        TWO_CHANGES + "t = 40.0\nm = 3",
-        "changes[2].t = 40.0 s must be later than changes[1]",
-    ),
-    "nothing": (TWO_CHANGES + "t = 50.0", "changes[2] changes nothing"),
-    "no time": ("[[changes]]\nm = 3", "changes[1].t is missing"),
-    "change": (TWO_CHANGES + "t = 50.0\nmu = -1", "changes[2].mu = -1 must be at least 0"),
-    "split": ("[metrics]\nsplit = 80.0", "metrics.split = 80.0 s must be below clock.duration"),
-    "gain": ("[gains.mb]\nrho = [1.0, nan]", "gains.mb.rho[2] = nan must be a finite number"),
-    "gain table": ("[gains]\nrho = 1", "gains.rho = 1 must be a table of gains"),
-    "gain depth": ("[gains.mb.rho]\na = 1", "gains.mb.rho = a table must be a number"),
-    "corner": (
-        "[reference]\nkind='rounded-square'\nside=3.0\ncorner=2",
-        "reference.corner = 2.0 must be at most",
-    ),
-    "no points": ("[reference]\nkind='waypoints'", "reference.points has 0 different point(s)"),
-    "one point": (POINTS + "[[0, 0]]", "reference.points has 1 different point(s)"),
-    "two closed": (POINTS + "[[0, 0], [1, 0]]\nclosed = true", "reference.points has 2 different"),
-    "same point": (
-        POINTS + "[[0, 0], [1, 0], [1, 0]]",
-        "reference.points[2] and reference.points[3]",
-    ),
-    "turn": (
-        POINTS + "[[0, 0], [1, 0], [0, 0]]",
-        "reference.points[2]: the path turns almost",
-    ),
-    "pair": (POINTS + "[[0, 0], [1, 0, 0]]", "reference.points[2] = [1, 0, 0] must be a pair"),
-    "coordinate": (POINTS + "[[0, 0], [1, inf]]", "reference.points[2][2] = inf must be a finite"),
-    "file type": ("[reference]\nkind='waypoints'\nfile=3", "reference.file = 3 must be the path"),
-    "both": (POINTS + "[[0,0],[1,0]]\nfile='a'", "reference.file and reference.points exclude"),
-    "title": ("title = 3", "title = 3 must be text"),
-    "extends": ("extends = 3", "extends = 3 must be a preset's name"),
-    "extends what": ("extends = 'paper-simulaton'", "no scenario is named 'paper-simulaton'"),
-    "syntax": ("[robot\nm = 3", "mine is not valid TOML"),
-    "twice": ("[robot]\nm = 3\nm = 4", "mine is not valid TOML"),
-    "nesting": ("a = " + "[" * 5000, "mine is not "),
-    "digits": ("a = 1" + "0" * 5000, "mine is not valid TOML"),
+CASES = """
+    robot.m = nan | robot.m = nan must be a finite number
+    robot.m = 'heavy' | robot.m = "heavy" must be a number
+    robot.m = 1e300 | robot.m = 1e+300 must be at most 1e+12
+    limits.v_u1 = [1.0, nan] | limits.v_u1[2] = nan must be a finite number
+    limits.v_u2 = [1.6, 1.3] | limits.v_u2[1] = 1.6 must be below limits.v_u1[1] = 1.0 m/s
+    limits.clip = 0.25 | limits.clip = 0.25 must be below v_u1[1] - v_u2[1]
+    clock.duration = 80.005 | clock.duration = 80.005 s must be a whole multiple
+    clock.plant = 0.003 | clock.control = 0.01 s must be a whole multiple
+    clock.duration = 1e9 | clock.duration = 1000000000.0 s is 1e+11 times
+    sensor.pose_period = 0.025 | sensor.pose_period = 0.025 s must be a whole
+    actuator.delay = 0.0005 | actuator.delay = 0.0005 s must be a whole multiple
+    reference.kind = 'cirle' | reference.kind = "cirle" is not a kind of reference; near
+    limits.v_u3 = 1 | limits.v_u3 is not a key in limits; near: v_u2, v_u1
+    reference.speed = 1 | reference.speed is not a key in reference
+    limit.v_u2 = 1 | limit is not a key at the top of a scenario; near: limits
+    robot = 5 | robot = 5 must be a table, written as [robot]
+    changes.t = 5 | changes = a table must be an array of tables, [[changes]]
+    changes = [5] | changes[1] = 5 must be a table, written as [[changes]]
+    changes = [{t = 80.0, m = 60.0}] | changes[1].t = 80.0 s must be before the run's end
+    changes = [{t = 40.0, m = 60.0}, {t = 40.0, m = 3}] | changes[2].t = 40.0 s must be later than
+    changes = [{t = 40.0, m = 60.0}, {t = 50.0}] | changes[2] changes nothing
+    changes = [{m = 3}] | changes[1].t is missing
+    changes = [{t = 40.0, m = 60.0}, {t = 50.0, mu = -1}] | changes[2].mu = -1 must be at least 0
+    metrics.split = 80.0 | metrics.split = 80.0 s must be below clock.duration
+    gains.mb.rho = [1.0, nan] | gains.mb.rho[2] = nan must be a finite number
+    gains.rho = 1 | gains.rho = 1 must be a table of gains
+    gains.mb.rho.a = 1 | gains.mb.rho = a table must be a number
+    title = 3 | title = 3 must be text
+    extends = 3 | extends = 3 must be a preset's name
+    extends = 'paper-simulaton' | no scenario is named 'paper-simulaton'
+    [robot | mine is not valid TOML
+    robot = {m = 3, m = 4} | mine is not valid TOML
+    reference = {kind='rounded-square', side=3, corner=2} | reference.corner = 2.0 must be at most
+"""
+POINTS = """
+    points = [[0, 0]] | reference.points has 1 different point(s)
+    points = [[0, 0], [1, 0]], closed = true | reference.points has 2 different
+    points = [[0, 0], [1, 0], [1, 0]] | reference.points[2] and reference.points[3]
+    points = [[0, 0], [1, 0], [0, 0]] | reference.points[2]: the path turns almost
+    points = [[0, 0], [1, 0, 0]] | reference.points[2] = [1, 0, 0] must be a pair
+    points = [[0, 0], [1, inf]] | reference.points[2][2] = inf must be a finite
+    points = [[0, 0], [1, 0]], file = 'a' | reference.file and reference.points exclude
+    file = 3 | reference.file = 3 must be the path
+"""
+OTHERS = {
+    "a = " + "[" * 5000: "mine is not ",
+    "a = 1" + "0" * 5000: "mine is not valid TOML",
+    "reference.kind = 'waypoints'": "reference.points has 0 different point(s)",
 }
 
 
-@pytest.mark.parametrize("text, message", CASES.values(), ids=CASES)
-def test_error_names_the_key(text, message):
+def assert_refused(text, message):
     with pytest.raises(WmrError) as caught:
         paper_toml(text, "mine")
-
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 700
+
+
+@pytest.mark.parametrize("text, message", [*cases(CASES), *OTHERS.items()])
+def test_error_names_the_key(text, message):
+    assert_refused(text, message)
+
+
+@pytest.mark.parametrize("points, message", cases(POINTS))
+def test_error_names_the_point(points, message):
+    assert_refused(f"reference = {{kind = 'waypoints', {points}}}", message)
 
 
 @pytest.mark.parametrize(

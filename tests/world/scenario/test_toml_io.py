@@ -4,26 +4,15 @@ import math
 import pickle
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.papers_robot import HEAD, paper, paper_toml
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.section import quantities
-from wmr_ctrl.world.references import (
-    Circle,
-    Lemniscate,
-    Line,
-    RoundedSquare,
-    StopAndGo,
-    Waypoints,
-)
-from wmr_ctrl.world.registry import Actuator, Disturbance, Sensor
+from wmr_ctrl.world.references import Circle, Line
 from wmr_ctrl.world.scenario import (
     Change,
-    Model,
-    Robot,
-    Scenario,
     from_dict,
     load_scenario,
     loads_scenario,
@@ -34,43 +23,39 @@ from wmr_ctrl.world.scenario import (
     to_toml,
 )
 from wmr_ctrl.world.scenario.scenario import SECTIONS
-from wmr_ctrl.world.scenario.sections import Clock, Metrics
 
-FULL = paper(
-    title='odd "title" with = and # and é',
-    robot=Robot(m=63.25, I=5.4, mu=0.08, r=0.1, l=0.25, v_s=1e-300),
-    model=Model(mu=0.0, I=1 / 3),
-    gains={"mb": {"rho": (1.0, 2.0)}, "nn": {"on": False, "way": "x", "eta": math.pi}, "pid": {}},
-    disturbance=Disturbance(std=0.1 + 0.2, truncate=3.0),
-    sensor=Sensor(pose_period=0.02, pose_noise=0.01, velocity_noise=(0.1, 0.2), correction=0.5),
-    actuator=Actuator(tau_max=20.0, lag=0.02, delay=0.003),
-    changes=(Change(t=1.0, m=3.0), Change(t=2.0, I=4.0, mu=0.0)),
-    clock=Clock(control=0.02, plant=0.001, duration=4.0),
-    metrics=Metrics(split=1.5, rms_from=0.0),
-)
-MOTIONS = (
-    Circle(radius=3.0, rate=-0.2),
-    Line(speed=0.1, heading=0.3, origin=(1.0, 2.0)),
-    Lemniscate(size=1.0, rate=0.2),
-    RoundedSquare(side=2.0, corner=0.5, speed=0.1),
-    StopAndGo(radius=1.0, speed=0.2, period=4.0),
-    Waypoints(
-        points=((0.1, 0.2), (1.0, 0.5), (1.5, 2.0)),
-        speed=0.3,
-        closed=True,
-        tolerance=0.1,
-        v_max=0.4,
-    ),
-)
+FULL = """
+title = "odd \\"title\\" with = and # and é"
+robot = {m = 63.25, I = 5.4, mu = 0.08, r = 0.1, l = 0.25, v_s = 1e-300}
+model = {mu = 0.0, I = 0.3333333333333333}
+disturbance = {std = 0.30000000000000004, truncate = 3.0}
+sensor = {pose_period = 0.02, pose_noise = 0.01, velocity_noise = [0.1, 0.2], correction = 0.5}
+actuator = {tau_max = 20.0, lag = 0.02, delay = 0.003}
+changes = [{t = 1.0, m = 3.0}, {t = 2.0, I = 4.0, mu = 0.0}]
+clock = {control = 0.02, plant = 0.001, duration = 4.0}
+metrics = {split = 1.5, rms_from = 0.0}
+gains.mb = {rho = [1.0, 2.0]}
+gains.nn = {on = false, way = "x", eta = 3.141592653589793}
+gains.pid = {}
+"""
+MOTIONS = """
+kind = "circle", radius = 3.0, rate = -0.2
+kind = "line", speed = 0.1, heading = 0.3, origin = [1.0, 2.0]
+kind = "lemniscate", size = 1.0, rate = 0.2
+kind = "rounded-square", side = 2.0, corner = 0.5, speed = 0.1
+kind = "stop-and-go", radius = 1.0, speed = 0.2, period = 4.0
+kind = "waypoints", points = [[0.1, 0.2], [1.0, 0.5], [1.5, 2.0]], closed = true, v_max = 0.4
+"""
 
 
-@pytest.mark.parametrize("reference", MOTIONS, ids=lambda reference: type(reference).__name__)
+@pytest.mark.parametrize("reference", MOTIONS.strip().splitlines())
 @pytest.mark.parametrize("comments", [True, False])
 def test_every_kind_and_field_loads_back_equal(reference, comments):
-    scenario = Scenario(**{**vars(FULL), "reference": reference})
+    scenario = paper_toml(f"{FULL}reference = {{{reference}}}")
 
     assert loads_scenario(to_toml(scenario, comments), scenario.name) == scenario
     assert from_dict(scenario_dict(scenario), scenario.name) == scenario
+    assert scenario.gains["nn"]["eta"] == math.pi
 
 
 @pytest.mark.parametrize("name", preset_titles())
@@ -86,17 +71,12 @@ def test_a_preset_loads_back_equal_from_any_text_and_copy(name):
 
 
 finite = st.floats(-1e12, 1e12)
-gains = st.dictionaries(
-    st.text(max_size=5),
-    st.dictionaries(
-        st.text(max_size=5),
-        st.one_of(finite, st.booleans(), st.text(max_size=8), st.tuples(finite, finite)),
-        max_size=3,
-    ),
-    max_size=3,
-)
+values = st.one_of(finite, st.booleans(), st.text(max_size=8), st.tuples(finite, finite))
+words = st.text(max_size=5)
+gains = st.dictionaries(words, st.dictionaries(words, values, max_size=2), max_size=2)
 
 
+@settings(max_examples=20)
 @given(gains, finite, st.text(max_size=20))
 def test_any_gains_numbers_and_titles_load_back_equal(gains, heading, title):
     scenario = paper(title=title, gains=gains, reference=Line(heading=heading))
@@ -158,18 +138,21 @@ def test_files_extend_files_next_to_them(tmp_path):
 
 
 def test_points_of_a_file_that_is_extended_take_the_place_of_the_other(tmp_path):
-    (tmp_path / "way.csv").write_text("0,0\n1,0\n2,1\n")
-    base = f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.csv"\n'
-    (tmp_path / "base.toml").write_text(base)
-    (tmp_path / "points.toml").write_text(
-        'extends = "base.toml"\n[reference]\npoints = [[0, 0], [3, 0]]\n'
-    )
-    (tmp_path / "back.toml").write_text('extends = "points.toml"\n[reference]\nfile = "way.csv"\n')
-    read = {name: load_scenario(tmp_path / f"{name}.toml") for name in ("base", "points", "back")}
+    files = {
+        "way.csv": "0,0\n1,0\n2,1\n",
+        "base.toml": f'{HEAD}[reference]\nkind = "waypoints"\nfile = "way.csv"\n',
+        "points.toml": 'extends = "base.toml"\nreference.points = [[0, 0], [3, 0]]\n',
+        "back.toml": 'extends = "points.toml"\nreference.file = "way.csv"\n',
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
 
-    assert read["points"].reference.points == ((0.0, 0.0), (3.0, 0.0))
-    assert read["back"].reference.points == read["base"].reference.points
-    assert len(read["base"].reference.points) == 3
+    base, points, back = (
+        load_scenario(tmp_path / name).reference.points for name in files if name != "way.csv"
+    )
+
+    assert points == ((0.0, 0.0), (3.0, 0.0))
+    assert back == base == ((0.0, 0.0), (1.0, 0.0), (2.0, 1.0))
 
 
 def test_a_preset_s_title_is_shown_only_for_its_own_numbers(tmp_path):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.tables import cases, changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.fields.section import quantities
 from wmr_ctrl.core.fields.units import OTHERS, USUAL
@@ -11,31 +12,30 @@ from wmr_ctrl.world.scenario import load_scenario
 from wmr_ctrl.world.scenario.scenario import sections
 from wmr_ctrl.world.scenario.units import unit_questions
 
-LINE = {"reference.kind": "line"}
-SLIPS = {
-    "milliseconds": ({"clock.control": 20}, "Milliseconds? 20 ms is 0.02 s."),
-    "per cent": ({"filter.gain[2]": 110}, "Per cent? 110 % is 1.1."),
-    "degrees": (LINE | {"reference.heading": -90}, "Degrees? -90 deg is -1.571 rad."),
-    "deg/s": ({"limits.v_u1[2]": 70}, "Degrees per second? 70 deg/s is 1.222 rad/s."),
-    "rpm": ({"limits.v_u1[2]": 70}, "Revolutions per minute? 70 rpm is 7.33 rad/s."),
-    "mm": ({"robot.r": 80}, "Millimetres? 80 mm is 0.08 m."),
-    "kg cm2": ({"robot.I": 5.4e4}, "54000 kg.cm2 is 5.4 kg.m2."),
-    "mm/s": (LINE | {"reference.speed": 300}, "Millimetres per second? 300 mm/s is 0.3 m/s."),
-    "g": ({"model.m": 50_000}, "Grams? 50000 g is 50 kg."),
-    "%": ({"robot.mu": 8}, "Per cent? 8 % is 0.08."),
-    "delay": ({"guard.delay": [5, 5]}, "guard.delay[2] = 5 s is unusual"),
-    "pose": ({"initial.pose": [0, 0, 45]}, "initial.pose[3] = 45 rad is unusual"),
-    "change": ({"changes": [{"t": 1, "m": 8e4}]}, "changes[1].m = 80000 kg is unusual"),
-}
+SLIPS = """
+    clock.control = 20 | Milliseconds? 20 ms is 0.02 s.
+    filter.gain[2] = 110 | Per cent? 110 % is 1.1.
+    reference.kind = line; reference.heading = -90 | Degrees? -90 deg is -1.571 rad.
+    limits.v_u1[2] = 70 | Degrees per second? 70 deg/s is 1.222 rad/s.
+    limits.v_u1[2] = 70 | Revolutions per minute? 70 rpm is 7.33 rad/s.
+    robot.r = 80 | Millimetres? 80 mm is 0.08 m.
+    robot.I = 5.4e4 | 54000 kg.cm2 is 5.4 kg.m2.
+    reference.kind = line; reference.speed = 300 | Millimetres per second? 300 mm/s is 0.3 m/s.
+    model.m = 50_000 | Grams? 50000 g is 50 kg.
+    robot.mu = 8 | Per cent? 8 % is 0.08.
+    guard.delay = [5, 5] | guard.delay[2] = 5 s is unusual
+    initial.pose = [0, 0, 45] | initial.pose[3] = 45 rad is unusual
+    changes = [{t = 1, m = 8e4}] | changes[1].m = 80000 kg is unusual
+"""
 
 
 def asked(scenario):
     return [sentence for _, sentence in unit_questions(scenario)]
 
 
-@pytest.mark.parametrize("overrides, question", SLIPS.values(), ids=SLIPS)
-def test_a_slip_is_asked_about_with_its_remedy(overrides, question):
-    assert any(question in item for item in asked(load_scenario("far-start", overrides)))
+@pytest.mark.parametrize("text, question", cases(SLIPS))
+def test_a_slip_is_asked_about_with_its_remedy(text, question):
+    assert any(question in item for item in asked(load_scenario("far-start", changes(text))))
 
 
 def test_a_question_is_a_warning_of_every_law():
