@@ -3,6 +3,7 @@
 import pytest
 
 import wmr_ctrl
+from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import warnings_for
 from wmr_ctrl.world.scenario import load_scenario, loads_scenario, override
@@ -22,7 +23,6 @@ tolerance = 0.05
 """
 DOCKING = loads_scenario(DOCK)
 CREATE3 = load_scenario("irobot-create3", {"clock.duration": 20.0})
-SLOW = {"base.accel": [0.9, 0.1], "base.decel": [0.9, 0.1]}
 
 
 def told(run):
@@ -42,23 +42,23 @@ def test_a_base_that_arrives_is_told_nothing():
     assert not {"dead-band", "goal-not-reached"} & {*told(wmr_ctrl.simulate(free, "pursuit"))}
 
 
+LOSSY = "base.losses = 10; base.timeout = 0.06; metrics.tolerance = 0.03"
 CAUSES = {
-    "dead-band": ({"base.wheel_deadband": 0.2, "filter.trust": True}, "base.wheel_deadband"),
-    "wheel-limit": ({"base.w_max": 3.0}, "more than base.w_max"),
-    "quantum": ({"base.quantum": [0.0, 1.5], "filter.d": [0.005, 0.9]}, "half of base.quantum"),
-    "ramps": (SLOW, "faster changes than base.accel"),
-    "losses": (
-        {"base.losses": 10, "base.timeout": 0.06, "metrics.tolerance": 0.03},
-        "within base.losses = 10 commands",
+    "dead-band": ("base.wheel_deadband = 0.2; filter.trust = true", "base.wheel_deadband"),
+    "wheel-limit": ("base.w_max = 3.0", "more than base.w_max"),
+    "quantum": ("base.quantum = [0.0, 1.5]; filter.d = [0.005, 0.9]", "half of base.quantum"),
+    "ramps": (
+        "base.accel = [0.9, 0.1]; base.decel = [0.9, 0.1]", "faster changes than base.accel",
     ),
-}
+    "losses": (LOSSY, "within base.losses = 10 commands"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", CAUSES)
 def test_each_cause_is_named_alone(key):
-    changes, words = CAUSES[key]
+    text, words = CAUSES[key]
     law = "pursuit" if key == "ramps" else "kanayama"
-    remarks = told(wmr_ctrl.simulate(override(CREATE3, changes), law))
+    remarks = told(wmr_ctrl.simulate(override(CREATE3, changes(text)), law))
     assert words in remarks[key]
     assert not ({*CAUSES} - {key}) & {*remarks}
 
@@ -69,8 +69,8 @@ def test_a_filter_that_holds_back_is_named(most):
     assert ("filter-holds-back" in told(run)) is (most > 2)
 
 
-def found(changes):
-    setup = settle(override(CREATE3, changes), "kanayama")
+def found(stated):
+    setup = settle(override(CREATE3, stated), "kanayama")
     return {item.key: item for item in warnings_for(setup)}
 
 

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl.cli import check_answers
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.results import NOT_CHECKED
@@ -14,13 +15,10 @@ from wmr_ctrl.theory.checks.budget import OF_RUN, OverBudgetError, budget, count
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, verdict
 from wmr_ctrl.world.scenario import load_scenario
 
-UNSTABLE = {
-    "reference.kind": "rounded-square",
-    "reference.speed": 0.198,
-    "model.m": 1.93,
-    "model.I": 0.0077,
-    "clock.duration": 10.0,
-}
+UNSTABLE = changes("""
+    reference.kind = rounded-square; reference.speed = 0.198; clock.duration = 10.0
+    model.m = 1.93; model.I = 0.0077
+""")
 """A path on which nn with its 133 states is unstable, and whose stable periods take 7 s."""
 LITTLE = 5.0
 

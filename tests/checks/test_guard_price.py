@@ -4,19 +4,20 @@ import re
 
 import pytest
 
+from tests.tables import changes
 from wmr_ctrl import simulate
 from wmr_ctrl.control.guard.price import speed_price
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.scenario import load_scenario
 
-ON = {"guard.enabled": True}
-
 
 def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
     """v_u1 - (mu m g + dbar)/(M_min alpha), mu and m those of the change that brakes most."""
-    changes = [{"t": 5.0, "mu": 0.3}, {"t": 9.0, "mu": 0.1, "m": 55.0}]
-    numbers = {**ON, "guard.M_min": [25.0, 2.7], "guard.dbar": [60.0, 10.0], "changes": changes}
-    of = loop("prox", numbers)
+    numbers = """
+        guard.enabled = true; guard.M_min = [25.0, 2.7]; guard.dbar = [60.0, 10.0]
+        changes = [{t = 5.0, mu = 0.3}, {t = 9.0, mu = 0.1, m = 55.0}]
+    """
+    of = loop("prox", changes(numbers))
     price = speed_price(of.scenario, of.setup.guard)
     friction = 0.3 * of.scenario.robot.m * of.scenario.robot.g
 
@@ -27,7 +28,8 @@ def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
 def test_a_reference_asks_for_as_much_backwards(loop):
     asked = []
     for speed in (0.7, -0.7):
-        of = loop("prox", {**ON, "reference.kind": "line", "reference.speed": speed})
+        line = f"guard.enabled = true; reference.kind = line; reference.speed = {speed}"
+        of = loop("prox", changes(line))
         asked.append(speed_price(of.scenario, of.setup.guard).asked)
 
     assert asked[0] == asked[1] == (0.7, 0.0)
@@ -52,24 +54,24 @@ def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
     assert late.mean() == pytest.approx(price.usable[1], rel=1e-2)
 
 
-@pytest.mark.parametrize(
-    "unbounded",
-    [
-        {"encoder.counts": 1024.0, "encoder.method": "time"},
-        {"sensor.velocity_losses": 3},
-        {"motor.stall": 40.0, "motor.free": 20.0},
-        {"disturbance.truncate": "inf"},
-    ],
-)
-def test_a_voided_guarantee_names_a_key_of_the_scenario(told, unbounded):
-    """`check --only KEY` and the table take it."""
-    (void,) = [
-        item
-        for item in told("prox", unbounded, scenario="safe-simulation")
-        if "guard.alpha." in item.sentence or "for a guarantee" in item.sentence
-    ]
+UNBOUNDED = """
+    encoder.counts = 1024.0; encoder.method = time
+    sensor.velocity_losses = 3
+    motor.stall = 40.0; motor.free = 20.0
+    disturbance.truncate = inf
+"""
 
-    assert void.key in unbounded
+
+@pytest.mark.parametrize("text", UNBOUNDED.strip().splitlines())
+def test_a_voided_guarantee_names_a_key_of_the_scenario(told, text):
+    """`check --only KEY` and the table take it."""
+    found = told("prox", changes(text), scenario="safe-simulation")
+    (void,) = [
+        item for item in found
+        if "guard.alpha." in item.sentence or "for a guarantee" in item.sentence
+    ]  # fmt: skip
+
+    assert void.key in changes(text)
 
 
 def test_a_slow_rate_of_approach_is_told_to_be_raised(told):

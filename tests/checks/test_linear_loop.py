@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.checks.asking import closed
+from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import elements
@@ -31,22 +32,22 @@ SMALL, SAMPLES = 1e-6, 80
 STANDS = {"reference.rate": 0.0}
 """Where a mean, which shows no speed at the first sample, and viscous friction leave the robot."""
 EFFECTS = {
-    "none": {},
-    "lag": {"actuator.lag": 0.02},
-    "delay": {"actuator.delay": 0.02},
-    "delay and lag": {"actuator.delay": 0.013, "actuator.lag": 0.02},
-    "window and age": {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01},
-    "encoder": {"encoder.counts": 1e12, "encoder.window": 0.02},
-    "resistance": {"resistance.viscous": [30.0, 2.0]},
+    "none": "",
+    "lag": "actuator.lag = 0.02",
+    "delay": "actuator.delay = 0.02",
+    "delay and lag": "actuator.delay = 0.013; actuator.lag = 0.02",
+    "window and age": "sensor.velocity_window = 0.02; sensor.velocity_age = 0.01",
+    "encoder": "encoder.counts = 1e12; encoder.window = 0.02",
+    "resistance": "resistance.viscous = [30.0, 2.0]",
 }
 POSES = [(0.05, 1.0, 1), (0.0, 0.3, 1), (0.1, 0.5, 1), (0.0, 1.0, 7), (0.1, 0.4, 5)]
 """Age [s], correction, and samples from one pose to the next."""
 
 
-def still(changes, **reference):
+def still(changed):
     """The nominal circle, or another motion, without friction."""
     floor = {"robot.mu": 0.0, "model.mu": 0.0, "clock.duration": SAMPLES * T}
-    return load_scenario("paper-simulation-nominal", floor | changes | reference)
+    return load_scenario("paper-simulation-nominal", floor | changed)
 
 
 def started(scenario, away):
@@ -82,7 +83,7 @@ def seen_and_told(scenario, every=1):
 )
 @pytest.mark.slow_but("delay", "delay and lag")
 def test_a_small_displacement_follows_the_matrices(name):
-    seen, told = seen_and_told(still(EFFECTS[name] | ({} if "delay" in name else STANDS)))
+    seen, told = seen_and_told(still(changes(EFFECTS[name]) | ({} if "delay" in name else STANDS)))
 
     assert told == pytest.approx(seen, abs=2e-4)
 
@@ -129,7 +130,7 @@ def finals(scenario, law, samples):
 def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, effects):
     """Of the whole state, a law's memory and what its observer believes of the drives in it."""
     on = {"initial.pose": [0.0, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
-    scenario = still(EFFECTS[effects] | on)
+    scenario = still(changes(EFFECTS[effects]) | on)
     early, later = (finals(scenario, law, samples) for samples in (5, 6))
     theirs = np.linalg.eigvals(later @ np.linalg.pinv(early, rcond=1e-7))
     ours = np.linalg.eigvals(closed(Loop(settle(scenario, law)), V_D, T))
@@ -149,7 +150,7 @@ def test_on_a_slope_the_matrix_depends_on_the_heading():
 def test_the_origin_of_the_path_length_is_no_state():
     """Encoders and means know the way; as much more of it is neither stable nor unstable."""
     for effects in ("window and age", "encoder"):
-        loop = Loop(settle(still(EFFECTS[effects]), "mb"))
+        loop = Loop(settle(still(changes(EFFECTS[effects])), "mb"))
         values = np.linalg.eigvals(closed(loop, V_D, T))
 
         assert np.abs(values - 1).min() > 1e-4

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.corridor.further import EXACT, QUICK
+from tests.papers_robot import preset
 from wmr_ctrl.api import simulate
 from wmr_ctrl.cli.check_sentences import stable
 from wmr_ctrl.control.setup import settle
@@ -26,24 +27,26 @@ from wmr_ctrl.world.scenario import load_scenario, override
 
 SMALL, SAMPLES = 1e-5, 80
 AWAY = np.array([1.0, -0.5, 0.8])
-PI = {"base.loop": "pi", "base.kp": 10.0, "base.ki": 30.0}
+PI = "base.loop = pi; base.kp = 10.0; base.ki = 30.0"
+STANDS = "reference.rate = 0.0"
 BASES = {
-    "first-order": {},
+    "first-order": "",
     "pi": PI,
-    "late": {"base.delay": 0.13},
-    "late pi": {**PI, "base.delay": 0.07},
-    "late, standing": {"base.delay": 0.085, "reference.rate": 0.0},
-    "late by a period, standing": {"base.delay": 0.05, "reference.rate": 0.0},
-    "ramps": {"base.accel": [1.0, 3.0], "base.jerk": [50.0, 200.0]},
-    "slower than believed": {"base.tau": [0.3, 0.2], "base.tau_believed": [0.1, 0.1]},
+    "late": "base.delay = 0.13",
+    "late pi": f"{PI}; base.delay = 0.07",
+    "late, standing": f"base.delay = 0.085; {STANDS}",
+    "late by a period, standing": f"base.delay = 0.05; {STANDS}",
+    "ramps": "base.accel = [1.0, 3.0]; base.jerk = [50.0, 200.0]",
+    "slower than believed": "base.tau = [0.3, 0.2]; base.tau_believed = [0.1, 0.1]",
 }
+FREE = """
+    filter.kind = none; robot.mu = 0.0; model.mu = 0.0; base.delay = 0.0; clock.duration = 4.0
+"""
 
 
 def moving(changed):
     """An exact Burger without delay, friction, filter; it starts on its circle, at its speed."""
-    free = {"filter.kind": "none", "robot.mu": 0.0, "model.mu": 0.0, "base.delay": 0.0}
-    length = {"clock.duration": SAMPLES * 0.05}
-    scenario = load_scenario("turtlebot3-burger", EXACT | QUICK | free | length | changed)
+    scenario = preset("turtlebot3-burger", EXACT, QUICK, FREE, changed)
     at = sample(scenario, np.zeros(1))[0]
     start = {"initial.pose": at[:3].tolist(), "initial.velocity": at[3:5].tolist()}
     return override(scenario, start)

@@ -106,11 +106,11 @@ def test_torques_that_noise_makes_are_the_laws_answers_to_it(told, rare):
     change = float(re.search(r"by about ([\d.]+) N m RMS", warning.sentence)[1])
 
     scenario, found = load_scenario("paper-simulation-nominal", noise), []
-    for kind, axis in ((None, 0), ("pose", 0), ("pose", 1), ("velocity", 0), ("velocity", 1)):
-        errors = {"pose": np.zeros((5, 2)), "velocity": np.zeros((5, 2))}
-        if kind:
-            errors[kind][0, axis] = 1e-7
-        loop = Attacked(scenario, "mb", np.zeros((5, 2)), **errors)
+    for off in np.vstack((np.zeros(4), 1e-7 * np.eye(4))):
+        errors = np.zeros((5, 4))
+        errors[0] = off
+        still = np.zeros((5, 2))
+        loop = Attacked(scenario, "mb", still, pose=errors[:, :2], velocity=errors[:, 2:])
         loop._sample(0)
         columns = loop.log.columns()
         found.append((columns["tau_right"][0], columns["tau_left"][0]))

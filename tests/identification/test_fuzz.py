@@ -74,48 +74,23 @@ def altered(draw, data):
     return bytes(new)
 
 
-def messages(draw):
-    """Messages of a base, some of them odd."""
-    share = draw.choice([0.0, 0.0, 0.0, 0.002, 0.01, 0.3])
-    names = draw.choice([("base_right_wheel", "base_left_wheel"), ("a", "b"), ("right",), ()])
-    rows = []
-    for t, v, omega, seen, turned, way in driven(draw, draw.choice([0.05, 1.5, *[4.0] * 6])):
-
-        def odd(value, others=SIZES):
-            return draw.choice(others) if draw.random() < share else value
-
-        def now(stamp=EPOCH + t):
-            return max(odd(stamp, [-stamp, 0.0, stamp + 1e3, 2.1e9]), 0.0)
-
-        pose = (odd(way[0]), odd(t), way[1])
-        said = odometry(now(), odd(seen), odd(turned), pose, norm=odd(1.0), sideways=odd(0.0))
-        count = odd(len(names), range(4))
-        numbers = [[odd(x) for x in (*way, 0.0, 0.0)[:count]] for _ in range(3)]
-        turn = joints(now(), *numbers, names=names)
-        rows += [
-            ("/odom", ODOMETRY, now(), said),
-            ("/cmd_vel", TWIST, now(), twist(odd(v), odd(omega))),
-            ("/joint_states", JOINTS, now(), turn),
-        ]
-    topics = draw.choice(
-        [
-            ["/odom"],
-            ["/cmd_vel"],
-            *[["/odom", "/cmd_vel"]] * 4,
-            ["/odom", "/cmd_vel", "/joint_states"],
-            ["/cmd_vel", "/joint_states"],
-        ]
-    )
-    rows = [row for row in rows if row[0] in topics]
-    if draw.random() < 0.1:
-        return [(draw.choice(["/odom", "/cmd_vel"]), *row[1:]) for row in rows]
-    return rows
-
-
 def spoilt_bag(draw, folder):
     """Path of a bag with odd messages, or of which files are altered."""
+    share, rows = draw.choice([0.0, 0.0, 0.002, 0.3]), []
+
+    def odd(value, others=SIZES):
+        return draw.choice(others) if draw.random() < share else value
+
+    for t, v, omega, seen, turned, way in driven(draw, draw.choice([0.05, 4.0, 4.0, 4.0])):
+        now = EPOCH + odd(t, [-t, 1e3, 0.0])
+        pose = (odd(way[0]), odd(t), way[1])
+        moved = odometry(now, odd(seen), odd(turned), pose, norm=odd(1.0), sideways=odd(0.0))
+        rows.append(("/odom", ODOMETRY, now, moved))
+        rows.append(("/cmd_vel", TWIST, now, twist(odd(v), odd(omega))))
+        if share:
+            rows.append(("/joint_states", JOINTS, now, joints(now, [odd(x) for x in way])))
     folder.mkdir()
-    place = bag(folder, messages(draw), draw.choice([*StoragePlugin]))
+    place = bag(folder, rows, draw.choice([*StoragePlugin]))
     files = sorted(place.iterdir())
     if draw.random() < 0.35:
         file = draw.choice(files)

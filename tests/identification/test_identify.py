@@ -56,17 +56,6 @@ def test_numbers_of_the_motors_are_handed_on(driven):
         identify(log, torque_constant=1.0, resistance=-2.0)
 
 
-@pytest.mark.slow
-def test_missing_rows_and_a_gap_leave_the_truth_in_reach(driven):
-    log = {key: np.array(value) for key, value in log_of(driven, 1).items()}
-    lost = np.random.default_rng(0).random(len(log["t [s]"])) < 0.1
-    lost[400:500] = True
-    for key in log:
-        log[key] = np.where(lost & ("counts" in key), np.nan, log[key]).tolist()
-
-    assert_holds(identify(log, overrides=KNOWN), MAIN)
-
-
 @pytest.mark.parametrize("nll, information", [(np.nan, 1.0), (1.0, np.nan), (1.0, np.inf)])
 def test_fit_that_is_not_finite_is_refused_in_words(nll, information, driven, monkeypatch):
     bad = SimpleNamespace(nll=nll, information=lambda: np.full((2, 2), information))

@@ -302,24 +302,22 @@ def test_short_logs_count_as_one_and_rest_between():
         of(log=[several[0], other])
 
 
-@pytest.mark.parametrize("stated", ["", "limits.v_u1 = [1.0, 2.0]"])
-def test_constant_columns_determine_nothing_and_are_no_error(stated, tmp_path):
-    held = {"v_command [m/s]": 0.3, "omega_command [rad/s]": 0.5} if stated else {}
-    log = {key: [held.get(key, 0.0)] * 1000 for key in LOG} | {"t [s]": np.arange(1000) * 0.02}
+def test_constant_columns_determine_nothing_and_are_no_error(tmp_path):
+    log = {key: [0.3] * 1000 for key in LOG} | {"t [s]": [0.02 * k for k in range(1000)]}
+    rest = {"v1_measured [m/s]": [0.0] * 1000}
+    found, silent = of("limits.v_u1 = [1.0, 2.0]", log), of(log=log | rest)
     file = tmp_path / "mine.toml"
-
-    found = of(stated, {key: [*map(float, row)] for key, row in log.items()})
     file.write_text(found.to_toml())
 
-    assert {*found.parameters} == {*NUMBERS}
-    assert {item.verdict for item in found.parameters.values()} == {"undetermined"}
+    assert {key: item.verdict for key, item in found.parameters.items()} == dict.fromkeys(
+        NUMBERS, "undetermined"
+    )
     assert any("Change both commands by steps" in text for text in found.remarks)
     assert found.traces().measured.shape == (1000, 2)
     assert tomllib.loads(file.read_text())["base"] == {"kind": "velocity"}
-    assert found.missing == (() if stated else ("limits.v_u1",))
-    if stated:
-        assert load_scenario(file).filter.kind == "none"
-        return
+    assert load_scenario(file).filter.kind == "none"
+    assert (found.missing, silent.missing) == ((), ("limits.v_u1",))
+    file.write_text(silent.to_toml())
     with pytest.raises(ScenarioError, match=r"missing: limits\.v_u1"):
         load_scenario(file)
 

@@ -13,14 +13,12 @@ from wmr_ctrl.world.model.evaluate import evaluated
 from wmr_ctrl.world.scenario import override
 from wmr_ctrl.world.standstill import STANDSTILL
 
-PUSHED = {
-    "disturbance": {"push": [3.0, 0.0]}, "world.wall": [[1.0, -2.0], [1.0, 2.0]],
-    "body.radius": 0.2, "reference": {"kind": "line", "speed": 0.4}, "clock.duration": 6.0,
-    "initial.pose": [0.0, 0.0, -np.pi / 2], "robot.mu": 0.0,
-    "filter": {
-        "kind": "governor", "tau": [0.2, 0.2], "d": [0.05, 0.05], "rest": 0.5, "free_error": 0.0,
-    },
-}  # fmt: skip
+PUSHED = changes("""
+    disturbance = {push = [3.0, 0.0]}; world.wall = [[1.0, -2.0], [1.0, 2.0]]
+    body.radius = 0.2; reference = {kind = "line", speed = 0.4}; clock.duration = 6.0
+    initial.pose = [0.0, 0.0, -1.5707963267948966]; robot.mu = 0.0
+    filter = {kind = "governor", tau = [0.2, 0.2], d = [0.05, 0.05], rest = 0.5, free_error = 0.0}
+""")
 
 
 def pushed(**base):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.world.motion import acting
 from wmr_ctrl.world.scenario import load_scenario, override
 from wmr_ctrl.world.wheel_commands import WHEEL_COMMANDS
 
@@ -13,17 +14,9 @@ L = CREATE3.robot.l
 BAND = 0.03
 
 
-def acting(changes, commands):
-    """Commands (n, ..., 2) behind the firmware of the wheels, from its graph."""
-    system = WHEEL_COMMANDS.system(override(CREATE3, changes))
-    asked = commands.reshape(len(commands), -1, 2)
-    step = system.function("step", [system.update, system.y]).map(asked.shape[1])
-    x, p = (np.tile(np.array(item)[:, None], asked.shape[1]) for item in (system.x0, system.p0))
-    rows = []
-    for command in asked:
-        x, y = step(command.T, x, p)
-        rows.append(np.array(y).T)
-    return np.array(rows).reshape(commands.shape)
+def behind(changes, commands):
+    """Commands (n, 2) behind the firmware of the wheels."""
+    return acting(override(CREATE3, changes), commands)
 
 
 def rims(pairs):
@@ -32,7 +25,7 @@ def rims(pairs):
 
 def test_a_wheel_within_its_dead_band_stands_and_the_other_turns():
     commands = np.random.default_rng(1).uniform(-1, 1, (500, 2)) * (0.08, 0.6)
-    wanted, got = rims(commands), rims(acting({"base.wheel_deadband": BAND}, commands))
+    wanted, got = rims(commands), rims(behind({"base.wheel_deadband": BAND}, commands))
     assert got == pytest.approx(np.where(np.abs(wanted) < BAND, 0.0, wanted), abs=1e-15)
     assert 0.2 < (np.abs(wanted) < BAND).mean() < 0.8
 
@@ -41,7 +34,7 @@ def test_a_wheel_within_its_dead_band_stands_and_the_other_turns():
 def test_rims_change_no_faster_than_their_ramps(accel, decel):
     commands = np.repeat(np.random.default_rng(2).uniform(-1, 1, (40, 2)) * (0.3, 1.5), 50, axis=0)
     ramps = {"base.wheel_accel": accel, "base.wheel_decel": decel}
-    got, h = rims(acting(ramps, commands)), CREATE3.clock.plant
+    got, h = rims(behind(ramps, commands)), CREATE3.clock.plant
     before = np.vstack([np.zeros((1, 2)), got[:-1]])
     away = np.abs(got) > np.abs(before)
     assert (np.abs(got - before) <= h * np.where(away, accel, decel) + 1e-12).all()
@@ -57,7 +50,7 @@ def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_mo
     commands = np.random.default_rng(3).uniform(-2, 2, (4000, 2)) * (BAND, BAND / L)
     one = np.abs(rims(commands)) < BAND
     alone = one.sum(axis=1) == 1
-    off = np.abs(acting(changes, commands) - commands)[alone]
+    off = np.abs(behind(changes, commands) - commands)[alone]
 
     assert (off <= told * (1 + 1e-12)).all()
     assert (off.max(axis=0) > 0.98 * told).all()

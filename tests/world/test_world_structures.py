@@ -10,7 +10,6 @@ from tests.world.test_registry import TOYS
 from wmr_ctrl.codegen.build import build_batch, build_loop
 from wmr_ctrl.control.laws.registry import NAMES
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.results.windows import windows_of
 from wmr_ctrl.simulation.engines import runnable_of
 from wmr_ctrl.simulation.memory import Task, laid_out, vector_sets
 from wmr_ctrl.world.references.registry import REFERENCES
@@ -35,16 +34,14 @@ def structure(number):
 
 
 def bits(tasks):
-    """All that the runs of a batch leave, with a log and without."""
-    windows = list(windows_of(tasks[0].loop.settings).values())
-    logged, watched = laid_out(tasks, [], log=True), laid_out(tasks, windows)
-    logged.run()
-    watched.run()
-    left = (logged.findings, logged.state, watched.findings, watched.state, watched.sums)
+    """All that the runs of a batch leave, with their log."""
+    memory = laid_out(tasks, [], log=True)
+    memory.run()
     return [
-        [logged.logged(lane).tobytes(), *(item[..., lane].tobytes() for item in left)]
+        [memory.logged(lane).tobytes(), memory.findings[..., lane].tobytes(),
+         memory.state[..., lane].tobytes()]
         for lane in range(len(tasks))
-    ]
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("number", range(10))

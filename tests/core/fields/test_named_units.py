@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.tables import cases
 from wmr_ctrl.control.setup import check_scenario
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.named_units import KINDS, Stated, stated, unit_of
@@ -85,23 +86,22 @@ def test_equal_values_are_equal_scenarios(tmp_path):
     check_scenario(one)
 
 
-WRONG = {
-    "robot.m": ("60 cm", "must be a mass (in g, kg, lb), not a length"),
-    "clock.control": ("20 Hz", "must be a time (in us, ms, s, min, h), not a rate"),
-    "limits.v_u1": ("2 m/s, 3 Hz", "an angular velocity (in rad/s, deg/s, rpm), not a rate"),
-    "robot.mu": ("2 m", "must be a plain number (in 1, %), not a length"),
-    "robot.r": ("10 foo", "or one with its unit (mm, cm, m, km, in, ft)"),
-    "gains.mb.rho": ("2 m, 3", "gains.mb.rho[1]"),
-    "changes[1].t": ("3 kg", "must be a time"),
-    "initial.pose": ("0, 0, 2 m", "must be an angle (in rad, deg, rev), not a length"),
-    "filter.kind": ("5 m", "is not known"),
-}
+WRONG = """
+    robot.m | 60 cm | must be a mass (in g, kg, lb), not a length
+    clock.control | 20 Hz | must be a time (in us, ms, s, min, h), not a rate
+    limits.v_u1 | 2 m/s, 3 Hz | an angular velocity (in rad/s, deg/s, rpm), not a rate
+    robot.mu | 2 m | must be a plain number (in 1, %), not a length
+    robot.r | 10 foo | or one with its unit (mm, cm, m, km, in, ft)
+    gains.mb.rho | 2 m, 3 | gains.mb.rho[1]
+    changes[1].t | 3 kg | must be a time
+    initial.pose | 0, 0, 2 m | must be an angle (in rad, deg, rev), not a length
+    filter.kind | 5 m | is not known
+"""
 
 
-@pytest.mark.parametrize("key", WRONG)
+@pytest.mark.parametrize("key, value, said", cases(WRONG))
 @pytest.mark.parametrize("frames", ["paper", "rep103"])
-def test_another_kind_is_refused_with_the_kinds(key, frames):
-    value, said = WRONG[key]
+def test_another_kind_is_refused_with_the_kinds(key, value, said, frames):
     base = load_scenario("paper-simulation", {"frames": frames})
 
     with pytest.raises(ScenarioError) as caught:

@@ -13,12 +13,11 @@ from wmr_ctrl.world.references.speed_profile import PathLimits, fastest
 from wmr_ctrl.world.references.waypoints import waypoint_path
 
 ZIGZAG = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.5), (4.0, 1.5), (4.5, -1.0))
-FAST = {"speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}
-PLAIN = {"speed": 0.2, "omega_max": 1.0, "a_max": 0.2, "alpha_max": 1.0}
+FAST = {"points": ZIGZAG, "speed": 0.9, "omega_max": 0.7, "a_max": 0.4, "alpha_max": 0.6}
 PATHS = (
-    Waypoints(points=ZIGZAG, tolerance=0.15, **FAST),
-    Waypoints(points=ZIGZAG, tolerance=0.15, at_end="loop", **FAST),
-    Waypoints(points=ZIGZAG, at_end="continue", v_max=0.4, **FAST),
+    Waypoints(tolerance=0.15, **FAST),
+    Waypoints(tolerance=0.15, at_end="loop", **FAST),
+    Waypoints(at_end="continue", v_max=0.4, **FAST),
 )
 
 
@@ -65,7 +64,7 @@ def away(points, begin, end):
 )
 def test_a_straight_line_takes_as_long_as_a_triangle_or_a_trapezium_of_speed(top, time):
     """4 m at 0.5 m/s2, with and without a limit of the speed."""
-    path = waypoint_path(Waypoints(points=((0.0, 0.0), (4.0, 0.0)), **PLAIN))
+    path = waypoint_path(Waypoints(points=((0.0, 0.0), (4.0, 0.0))))
     limits = PathLimits(speed=top, turning=1.0, acceleration=0.5, angular_acceleration=1.0)
 
     assert fastest(path, limits, rest=True, stop=True).duration == pytest.approx(time, rel=0.01)

@@ -27,21 +27,16 @@ def between(low, high):
     return st.floats(math.log(low), math.log(high)).map(lambda x: float(f"{math.exp(x):.6g}"))
 
 
+SIZES = {
+    "robot.m": (0.5, 500), "robot.r": (0.02, 0.3), "robot.l": (0.04, 0.8),
+    "limits.v_u1[1]": (0.05, 4), "limits.v_u1[2]": (0.2, 6), "base.accel[1]": (0.1, 20),
+    "base.accel[2]": (0.1, 30), "base.decel[1]": (0.1, 20), "base.timeout": (0.11, 2),
+    "body.radius": (0.1, 1),
+}  # fmt: skip
+PERIODS = st.integers(5, 100).map(lambda n: round(n * 1e-3, 3))
 FOUND = st.fixed_dictionaries(
     {},
-    optional={
-        "robot.m": between(0.5, 500),
-        "robot.r": between(0.02, 0.3),
-        "robot.l": between(0.04, 0.8),
-        "limits.v_u1[1]": between(0.05, 4),
-        "limits.v_u1[2]": between(0.2, 6),
-        "base.accel[1]": between(0.1, 20),
-        "base.accel[2]": between(0.1, 30),
-        "base.decel[1]": between(0.1, 20),
-        "base.timeout": between(0.11, 2),
-        "clock.control": st.integers(5, 100).map(lambda n: round(n * 1e-3, 3)),
-        "body.radius": between(0.1, 1),
-    },
+    optional={"clock.control": PERIODS} | {key: between(*ends) for key, ends in SIZES.items()},
 )
 
 
