@@ -105,9 +105,9 @@ def based(**base):
     return override(load_scenario("paper-simulation-noise-free"), given)
 
 
-def acting(scenario, commands, draws=()):
-    """What one effect makes of commands (N, 2), one for each plant step."""
-    system = REGISTRY.present(scenario, EffectRole.COMMAND)[-1].system(scenario)
+def acting(scenario, commands, draws=(), effect=None):
+    """What one effect makes of commands (N, 2), one for each plant step; the last, if none is told."""
+    system = (effect or REGISTRY.present(scenario, EffectRole.COMMAND)[-1]).system(scenario)
     graph = system.function("act", [ca.densify(system.update), ca.densify(system.y)])
     state, rows = np.array(system.x0), []
     for number, command in enumerate(commands):

@@ -16,7 +16,7 @@ BAND = 0.03
 
 def behind(changes, commands):
     """Commands (n, 2) behind the firmware of the wheels."""
-    return acting(override(CREATE3, changes), commands)
+    return acting(override(CREATE3, changes), commands, effect=WHEEL_COMMANDS)
 
 
 def rims(pairs):

@@ -88,11 +88,10 @@ def test_overrides_by_name_and_of_a_scenario_are_as_if_a_file_said_so(text, toml
     assert replace(override(PAPER, changes(text)), title="") == replace(file, title="")
 
 
-def test_overrides_may_be_numbers_of_numpy():
-    mass, limits = np.float64(60), np.array([0.7, 1.2])
-    made = override(PAPER, {"robot.m": mass, "limits.v_u2": limits})
+def test_overrides_may_be_arrays():
+    limits = override(PAPER, {"limits.v_u2": np.array([0.7, 1.2])}).limits
 
-    assert (made.robot.m, made.limits.v_u2) == (60.0, (0.7, 1.2))
+    assert limits.v_u2 == (0.7, 1.2)
 
 
 REFUSED = r"""
