@@ -64,10 +64,6 @@ def test_two_columns_that_are_exchanged_are_told(posed, one, other, word):
     assert_told(posed | {one: posed[other], other: posed[one]}, word)
 
 
-def later(values):
-    return np.concatenate((np.full(12, values[0]), values[:-12]))
-
-
 def in_half(log, shift):
     """The right counter with a shift in the second half of the log."""
     half = np.arange(len(log["t"])) >= len(log["t"]) // 2
@@ -84,7 +80,7 @@ FAULTS = {
     "too short": lambda log: {key: row[:300] for key, row in log.items()},
     "jumps by -": lambda log: in_half(log, np.negative),
     "jumps by 70": lambda log: in_half(log, lambda _: 705.0),
-    "before its torque": lambda log: {name: later(log[name]) for name in TORQUES},
+    "before its torque": lambda log: {name: np.roll(log[name], 12) for name in TORQUES},
     "quarter of the counts": lambda log: {name: np.floor(log[name] / 4) for name in (RIGHT, LEFT)},
     "REP 103": lambda log: {"theta": log["theta"] + np.pi / 2},
     "at 130 degrees to theta": lambda log: {"theta": log["theta"] - 0.7},

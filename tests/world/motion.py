@@ -106,7 +106,7 @@ def based(**base):
 
 
 def acting(scenario, commands, draws=(), effect=None):
-    """What one effect makes of commands (N, 2), one for each plant step; the last, if none is told."""
+    """What an effect, by default the last, makes of commands (N, 2), one for each plant step."""
     system = (effect or REGISTRY.present(scenario, EffectRole.COMMAND)[-1]).system(scenario)
     graph = system.function("act", [ca.densify(system.update), ca.densify(system.y)])
     state, rows = np.array(system.x0), []
