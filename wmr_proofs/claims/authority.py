@@ -29,10 +29,7 @@ def of_axis(points: Callable[[int], Sequence[Point]]) -> Callable[[int], Table]:
 
 
 @claim(
-    "authority.falls",
-    (9,),
-    by=Ring(off_target_cases(), log_lemma=True),
-    premises="P3 lemma.log",
+    "authority.falls", (9,), by=Ring(off_target_cases(), log_lemma=True), premises="P3 lemma.log"
 )
 def falls_with_target(mutation: Mutation) -> Statement:
     """V1/A falls as v_c0 rises: its derivative times A^2 is V1 - A w <= -w^2/2.

@@ -92,11 +92,7 @@ def inside(mutation: Mutation) -> Statement:
     return a.states(limit > a.x, a.x > -limit, given=a.inside)
 
 
-@claim(
-    "eq18.stationary",
-    (18,),
-    by=Ring(FAR),
-)
+@claim("eq18.stationary", (18,), by=Ring(FAR))
 def stationary(mutation: Mutation) -> Statement:
     """beyond v_u2 + 1/(v_u1 - v_u2) the root of (18) solves |v_c1| + 1/(v_u1 - |v_c1|) = |v_c0|.
 
@@ -170,12 +166,7 @@ def flat_at_target(mutation: Mutation) -> Statement:
     return a.states(barrier.a_term(a.x, mutation * c, u1, u2) == 0)
 
 
-@claim(
-    "eq79",
-    (79,),
-    form=CORRECTED,
-    by=Ring(SMOOTH),
-)
+@claim("eq79", (79,), form=CORRECTED, by=Ring(SMOOTH))
 def eq79(mutation: Mutation) -> Statement:
     """dV1i/dv = 0 at v = v_c1 for |v_c0| < v_u2 and beyond v_u2 + 1/(v_u1 - v_u2).
 
@@ -209,12 +200,7 @@ def lower_bound(mutation: Mutation) -> Statement:
     return a.states(mutation(0.5, 0.6) * a.w**2 <= a.V)
 
 
-@claim(
-    "thm1.velocity",
-    (30,),
-    by=Ring(NEAR, log_lemma=True),
-    premises="eq30 eq81",
-)
+@claim("thm1.velocity", (30,), by=Ring(NEAR, log_lemma=True), premises="eq30 eq81")
 def near_target(mutation: Mutation) -> Statement:
     """(Theorem 1) z -> 0 where |v_c0i| < v_u2i: z^2 <= 2 V1i, and V1i falls by exp(-rho t) (eq30).
 
@@ -294,11 +280,7 @@ def q_range(mutation: Mutation) -> Statement:
     return a.states(a.stable.q >= 0, mutation(1, 0.5) >= a.stable.q)
 
 
-@why_claim(
-    "P4.positive",
-    (9, 10),
-    by=Ring(NO_CORNER),
-)
+@why_claim("P4.positive", (9, 10), by=Ring(NO_CORNER))
 def q_positive(mutation: Mutation) -> Statement:
     """q > 0 outside the middle region (0 there only in the limit v -> v_c1).
 
@@ -310,12 +292,7 @@ def q_positive(mutation: Mutation) -> Statement:
     return a.states(mutation * a.stable.q > 0)
 
 
-@why_claim(
-    "P5",
-    (9, 12),
-    by=Ring(all_cases(), CLOSED_FORM, log_lemma=True),
-    premises="lemma.log",
-)
+@why_claim("P5", (9, 12), by=Ring(all_cases(), CLOSED_FORM, log_lemma=True), premises="lemma.log")
 def quotient_range(mutation: Mutation) -> Statement:
     """V1i/A_i as compiled lies between 0 and v - v_c1.
 

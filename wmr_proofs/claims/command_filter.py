@@ -101,9 +101,7 @@ def highest(u: SX, b: FirstOrder) -> SX:
     return fmax(b.K_max * u, 0) + b.dbar
 
 
-@claim(
-    "filter.inside",
-)
+@claim("filter.inside")
 def inside(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= V.
 
@@ -137,9 +135,7 @@ def contains_clip(mutation: Mutation) -> Statement:
     return Statement(a, goals, given)
 
 
-@claim(
-    "filter.necessary",
-)
+@claim("filter.necessary")
 def necessary(mutation: Mutation) -> Statement:
     """e v_bar + (1 - e)(K_max u + dbar) > V.
 
@@ -155,9 +151,7 @@ def necessary(mutation: Mutation) -> Statement:
     return Statement(a, end > b.V, given)
 
 
-@claim(
-    "filter.estimate",
-)
+@claim("filter.estimate")
 def estimate(mutation: Mutation) -> Statement:
     """v + share (mean - v) <= relaxed(w, target).
 
@@ -260,9 +254,7 @@ class AssembledStep(Named):
         )  # fmt: skip
 
 
-@claim(
-    "filter.limits",
-)
+@claim("filter.limits")
 def limits(mutation: Mutation) -> Statement:
     """the largest command that the whole filter admits is at least 0, on either axis, either way,
     and above 0 where dbar < V.
@@ -291,11 +283,7 @@ def limits(mutation: Mutation) -> Statement:
     return Statement(table, goals, given, cuts)
 
 
-@claim(
-    "filter.sent",
-    premises="filter.limits",
-    each=SIDES,
-)
+@claim("filter.sent", premises="filter.limits", each=SIDES)
 def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     """on each axis, forwards and backwards: the command that the whole filter sends is at most the
     step's limit, whatever both axes are asked for.
@@ -313,11 +301,7 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     return Statement(step, goals, given, every)
 
 
-@claim(
-    "filter.assembled",
-    premises="filter.sent",
-    each=SIDES,
-)
+@claim("filter.assembled", premises="filter.sent", each=SIDES)
 def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     """on each axis, forwards and backwards: E v + (1 - E) mean <= V behind every command u that
     the whole filter admits.
@@ -428,8 +412,5 @@ def induced(mutation: Mutation, side: int, axis: int) -> Statement:
     cuts |= {f"limit {s} {i}": graph.limits[s][i] for s, i in product(range(2), repeat=2)}
     end = free.E * step.way * free.v + share * free.mean
     given = step.given(CLAIMED, (drive, drive_back)[side](safe, step.bounds)), step.slow, taken
-    goals = (
-        mutation(1, 0.99) * step.bounds.V >= end,
-        when(share >= -least, kept >= end),
-    )
+    goals = (mutation(1, 0.99) * step.bounds.V >= end, when(share >= -least, kept >= end))
     return Statement(step, goals, given, cuts)

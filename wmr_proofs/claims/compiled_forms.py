@@ -18,11 +18,7 @@ from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
 from wmr_proofs.regions import POSITIVE, Case
 from wmr_proofs.statement import Statement, equal, symbols
 
-from .common import (
-    CLOSED_FORM,
-    BarrierAxis,
-    barrier_axis,
-)
+from .common import CLOSED_FORM, BarrierAxis, barrier_axis
 
 
 def _within(sign: int) -> Case:
@@ -117,12 +113,7 @@ def closed_slope(mutation: Mutation) -> Statement:
     return Statement(t, gradient(y * stable._chi(y, 1 - y), y) == 1 / (1 - y) - mutation)
 
 
-@claim(
-    "forms.series",
-    (15,),
-    by=Ring((_within(1), _within(-1))),
-    premises="lemma.integration",
-)
+@claim("forms.series", (15,), by=Ring((_within(1), _within(-1))), premises="lemma.integration")
 def series_slope(mutation: Mutation) -> Statement:
     """for |y| < 0.05 the compiled series has a derivative within 2^-51 |y| of phi'(y); integrated
     from 0, it is within 2^-52 y^2 of phi(y), about one part in 2^51.
@@ -168,11 +159,7 @@ def smooth_value(mutation: Mutation) -> Statement:
     return a.states(equal(_compiled(a).V1, mutation * smooth_lyapunov(*a.all)))
 
 
-@smooth_claim(
-    "smooth.convex",
-    by=Ring(TANGENTS, log_lemma=True),
-    premises="lemma.log",
-)
+@smooth_claim("smooth.convex", by=Ring(TANGENTS, log_lemma=True), premises="lemma.log")
 def above_tangent(mutation: Mutation) -> Statement:
     """smooth barrier: f(y) >= f(v) + f'(v) (y - v).
 
@@ -197,10 +184,7 @@ def smooth_target(mutation: Mutation) -> Statement:
     return a.states(found.v_c1 == mutation * nearest, found.w == v - nearest)
 
 
-@smooth_claim(
-    "smooth.slope",
-    by=Ring(OFF_CORNERS, CLOSED_FORM),
-)
+@smooth_claim("smooth.slope", by=Ring(OFF_CORNERS, CLOSED_FORM))
 def slope(mutation: Mutation) -> Statement:
     """smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i.
 

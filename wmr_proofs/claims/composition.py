@@ -155,9 +155,7 @@ def friction(mutation: Mutation) -> Statement:
 piece_claim = Claims()
 
 
-@piece_claim(
-    "guard.lemma.piece",
-)
+@piece_claim("guard.lemma.piece")
 def lemma_piece(mutation: Mutation) -> Statement:
     """max(v, f_speed) rises by at most t max(F + dbar - f_min, 0)/M_min over a piece of time t.
 
@@ -177,9 +175,7 @@ def lemma_piece(mutation: Mutation) -> Statement:
     return Statement(a | t, most >= fmax(end, edge), given)
 
 
-@piece_claim(
-    "guard.delay.step",
-)
+@piece_claim("guard.delay.step")
 def delay_step(mutation: Mutation) -> Statement:
     """v+ is at most y + nbar or f_speed, and what the commands before have added: after the next
     one it is at most that and tau max(F + net, 0)/M_min more, as the guard sums it; so is -v.
@@ -199,9 +195,7 @@ def delay_step(mutation: Mutation) -> Statement:
     return Statement(a, goals, given)
 
 
-@piece_claim(
-    "guard.late.mean-piece",
-)
+@piece_claim("guard.late.mean-piece")
 def mean_piece(mutation: Mutation) -> Statement:
     """v+ now is at most what the guard counts from y with the commands of both periods, in the mean
     and from rest; so is -v.
@@ -267,12 +261,7 @@ def logarithm(mutation: Mutation) -> Statement:
     return Statement({"t": t}, goals, t > 0)
 
 
-@piece_claim(
-    "lemma.sine",
-    (40, 46, 55),
-    by=Z3(),
-    premises="lemma.integration",
-)
+@piece_claim("lemma.sine", (40, 46, 55), by=Z3(), premises="lemma.integration")
 def sine(mutation: Mutation) -> Statement:
     """|sin t| <= |t|, 1 - cos t <= t^2/2, and |sin t| >= (2/pi) |t| for |t| <= pi/2: t - sin t is
     odd and does not fall; t^2/2 - 1 + cos t has the derivative t - sin t; (sin t)/t has the

@@ -39,11 +39,7 @@ from .prox import Step
 claim = Claims()
 
 
-@claim(
-    "corridor.prox",
-    premises="transport.plain prox.linear",
-    each=EITHER_BARRIER,
-)
+@claim("corridor.prox", premises="transport.plain prox.linear", each=EITHER_BARRIER)
 def prox(mutation: Mutation, smooth: bool) -> Statement:
     """|E v* + (1-E) c+| <= v_u2 implies that this is the law's v+, as its corridor assumes;
     with either barrier.
@@ -93,9 +89,7 @@ def kanayama(mutation: Mutation) -> Statement:
     return Statement(t, every(left, values), (nonnegative(t.A, t.B), inside))
 
 
-@claim(
-    "corridor.guard",
-)
+@claim("corridor.guard")
 def guard(mutation: Mutation) -> Statement:
     """With S = M_min alpha: |F + S y|, |S y| <= S (u1 - nbar) - net, |F| <= S (u1 - f_speed) - net
     imply that the guard leaves F as it is, and that its safe point is 0.
@@ -240,10 +234,7 @@ def pi_loop(mutation: Mutation) -> Statement:
     return g.states(every(own.update, following), every(own.y, torque), given=given)
 
 
-@claim(
-    "corridor.guard-late",
-    each={"constant": {"jitters": False}, "jitter": {"jitters": True}},
-)
+@claim("corridor.guard-late", each={"constant": {"jitters": False}, "jitter": {"jitters": True}})
 def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     """F + S (w + ahead + a) <= S u1 - net and c F + S (w + ahead) <= S u1 - c net for w = y + nbar
     and for w = f_speed, the same with 0 for F, all of it backwards too, and |F| at most the largest
@@ -311,9 +302,7 @@ def late_sums(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
-@claim(
-    "corridor.jitter",
-)
+@claim("corridor.jitter")
 def overtaken(mutation: Mutation) -> Statement:
     """what acts is the command that arrived last or the one before it, and what is given is so
     again in the next plant step.

@@ -88,10 +88,7 @@ def reached(mutation: Mutation) -> Statement:
     return Statement(t, (n > 0, n / (1 + n) == mutation * y), (y > 0, y < 1))
 
 
-@claim(
-    "cover.far",
-    (18,),
-)
+@claim("cover.far", (18,))
 def far_reached(mutation: Mutation) -> Statement:
     """beyond v_u2 + 1/b every v_c0 is u1 - d + 1/d at a gap d between 0 and b.
 

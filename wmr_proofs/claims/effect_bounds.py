@@ -260,9 +260,7 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
 drive_claim = Claims()
 
 
-@drive_claim(
-    "world.lag.stepped",
-)
+@drive_claim("world.lag.stepped")
 def held(mutation: Mutation) -> Statement:
     """a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises with a
     = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b].
@@ -288,9 +286,7 @@ def held(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
-@drive_claim(
-    "world.lag.applied",
-)
+@drive_claim("world.lag.applied")
 def applied(mutation: Mutation) -> Statement:
     """the torque that laws are told was applied is the mean of what acted in the plant steps of the
     sample behind delay and lag, and what acts at its end is the drives' own.
@@ -389,9 +385,7 @@ class Jittering(EffectGraph):
         }  # fmt: skip
 
 
-@drive_claim(
-    "world.jitter.bound",
-)
+@drive_claim("world.jitter.bound")
 def jitter_bound(mutation: Mutation) -> Statement:
     """in the drives' own graph a command that arrived at phase 0 acts from phase jitter/h on at the
     latest, and what is drawn for the next steps is at most that; this jitter is the one in the
@@ -544,10 +538,7 @@ ALONG = at(**HEAVIEST, sine=1, **{"slope.offset": 0}, along=1, across=0)
 claim = Claims()
 
 
-@claim(
-    "world.slope",
-    by=Z3(points=(ALONG,)),
-)
+@claim("world.slope", by=Z3(points=(ALONG,)))
 def world_slope(mutation: Mutation) -> Statement:
     """a slope pulls with at most m g sin(angle), and turns with at most |offset| times that.
 
@@ -621,9 +612,7 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     return g.states(within(force, bound * mutation(1, 0.9)), given=given)
 
 
-@claim(
-    "world.gust",
-)
+@claim("world.gust")
 def world_gust(mutation: Mutation) -> Statement:
     """a filter's share of the size stays within [-1, 1], and the force within the size.
 
@@ -673,9 +662,7 @@ def world_velocity_noise(mutation: Mutation) -> Statement:
 AGES = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.control": 0.01}
 
 
-@claim(
-    "world.velocity-mean.bound",
-)
+@claim("world.velocity-mean.bound")
 def world_velocity_mean(mutation: Mutation) -> Statement:
     """the mean velocity times the window in its bound is the distance from that window's start to
     its end, and both are as old as the bound says, in periods since each distance was read.
@@ -757,9 +744,7 @@ def command_delay_bound(mutation: Mutation) -> Statement:
     return g.states(late, every(g.system.y, g.system.u))
 
 
-@command_claim(
-    "world.command-loss.bound",
-)
+@command_claim("world.command-loss.bound")
 def command_loss_bound(mutation: Mutation) -> Statement:
     """no more commands in a row are missed than the bound tells, silence lasts for the periods that
     were missed and no longer, and the base never stops in between.

@@ -94,11 +94,7 @@ def stays_on_target(_: Mutation) -> Statement:
     return Statement(t, command == t.cdot, given)
 
 
-@claim(
-    "eq30.vector",
-    (30,),
-    by=Refute((at(V1=0, V2=1, rho1=15, rho2="288/5", rho=15),)),
-)
+@claim("eq30.vector", (30,), by=Refute((at(V1=0, V2=1, rho1=15, rho2="288/5", rho=15),)))
 def one_rate(_: Mutation) -> Statement:
     """V1' = -rho V1 with the two gains of Section V.
 
@@ -113,12 +109,7 @@ def one_rate(_: Mutation) -> Statement:
     return Statement(t, rate == -t.rho * total, (given, t.rho == t.rho1))
 
 
-@claim(
-    "eq30.slower",
-    (30,),
-    form=CORRECTED,
-    premises="eq30.law eq30.law-angular",
-)
+@claim("eq30.slower", (30,), form=CORRECTED, premises="eq30.law eq30.law-angular")
 def slower_rate(mutation: Mutation) -> Statement:
     """V1' <= -min(rho_1, rho_2) V1.
 
@@ -298,11 +289,7 @@ def argument(mutation: Mutation) -> Statement:
     return t.states(target[0] == p[0] + t.k[0] * t.e[0], target[1] == turn)
 
 
-@strict_claim(
-    "level.inside",
-    (31,),
-    by=Z3(points=(TOP,)),
-)
+@strict_claim("level.inside", (31,), by=Z3(points=(TOP,)))
 def level_set(mutation: Mutation) -> Statement:
     """V2 < min(2/k2, ((v_u22 - |v2d|)/(k2 v1d))^2/2) gives |p1| <= v_u21, |p2| <= v_u22, cos e3 >
     -1.
@@ -347,11 +334,7 @@ def level_invariant(mutation: Mutation) -> Statement:
     return t.states(mutation * rate <= 0, behind >= 0, given=given)
 
 
-@strict_claim(
-    "level.start",
-    (31,),
-    by=Ball(box=START),
-)
+@strict_claim("level.start", (31,), by=Ball(box=START))
 def paper_level(mutation: Mutation) -> Statement:
     """the paper's start has V2 < 0.33 < 0.4.
 

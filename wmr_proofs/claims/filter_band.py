@@ -80,10 +80,7 @@ def bound_of(forecast: Forecast, way: int, part: int = 0) -> SX:
     return past + (forecast.tail if part < 0 else pieces[part])
 
 
-@claim(
-    "filter.band.forecast",
-    each=WAYS,
-)
+@claim("filter.band.forecast", each=WAYS)
 def forecast(mutation: Mutation, way: int) -> Statement:
     """v + (to - u) S <= to + over and -v - (to - u) S <= -to + under of the changed forecast.
 
@@ -177,10 +174,7 @@ def least(mutation: Mutation) -> Statement:
     return a.states(*goals, cuts=cuts)
 
 
-@claim(
-    "filter.band.held",
-    each={"rise": {"rises": True}, "fall": {"rises": False}},
-)
+@claim("filter.band.held", each={"rise": {"rises": True}, "fall": {"rises": False}})
 def held(mutation: Mutation, rises: bool) -> Statement:
     """to + over, -to + under of the changed forecast <= c'', on every piece and behind.
 
@@ -241,9 +235,7 @@ def zero(mutation: Mutation) -> Statement:
     return a.states(*goals, given=(a.stated, a.u >= 0, a.inside(*a.everywhere)))
 
 
-@claim(
-    "filter.band.zero-held",
-)
+@claim("filter.band.zero-held")
 def zero_held(mutation: Mutation) -> Statement:
     """u - fall <= 0 <= u + rise.
 
@@ -274,10 +266,7 @@ def _whole(axis: int) -> tuple[BandGovernor, Symbols, Cuts]:
     return graph, elements_of(*graph.system.inputs, graph.last), cuts
 
 
-@whole_claim(
-    "filter.band.sent",
-    each=BOTH_AXES,
-)
+@whole_claim("filter.band.sent", each=BOTH_AXES)
 def sent(mutation: Mutation, axis: int) -> Statement:
     """u_before - fall <= u <= u_before + rise, u what the whole band sends on each axis.
 
@@ -294,10 +283,7 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     return Statement(named, (high >= u, u >= low), given, cuts)
 
 
-@whole_claim(
-    "filter.band.sent-stop",
-    each=BOTH_AXES,
-)
+@whole_claim("filter.band.sent-stop", each=BOTH_AXES)
 def sent_stop(mutation: Mutation, axis: int) -> Statement:
     """|u| <= the largest command behind which 0 may follow, u what the whole band sends on each
     axis, and u never turns against what was asked for.
@@ -315,9 +301,7 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     return Statement(named, goals, (around, stops), cuts)
 
 
-@whole_claim(
-    "filter.band.beat",
-)
+@whole_claim("filter.band.beat")
 def beat(mutation: Mutation) -> Statement:
     """-before' <= p', q', 0 <= behind' and p' - q' <= before' + behind', the same after the next.
 
@@ -337,9 +321,7 @@ def beat(mutation: Mutation) -> Statement:
     return Statement(s, goals, given)
 
 
-@whole_claim(
-    "filter.band.fading",
-)
+@whole_claim("filter.band.fading")
 def fading(mutation: Mutation) -> Statement:
     """r g and p g, or r g alone where the sample is untimely, <= what is kept of them.
 
@@ -360,10 +342,7 @@ def fading(mutation: Mutation) -> Statement:
     return Statement(s, goals, given)
 
 
-@whole_claim(
-    "filter.band.past",
-    each=WAYS,
-)
+@whole_claim("filter.band.past", each=WAYS)
 def past(mutation: Mutation, way: int) -> Statement:
     """v - held and held - v <= what is known of what was sent before, over and under its command.
 

@@ -31,10 +31,7 @@ def _sizes(a: BandAxis) -> Relations:
     return high, within(s.u, 2 * c), within(s.to, 2 * c), known
 
 
-@claim(
-    "filter.rounding.band-forecast",
-    each=WAYS,
-)
+@claim("filter.rounding.band-forecast", each=WAYS)
 def forecast(mutation: Mutation, way: int) -> Statement:
     """v + (to - u) S <= to + over + e + 2^-46 c and -v - (to - u) S <= -to + under + e + 2^-46 c,
     over and under as the text computes them for the changed command.
@@ -55,9 +52,7 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     return Statement(s, goal, given, computed={"made": made})
 
 
-@claim(
-    "filter.rounding.band-tail",
-)
+@claim("filter.rounding.band-tail")
 def tail(mutation: Mutation) -> Statement:
     """(tail + |to - u| left) f <= the tail that the text computes for the next sample.
 
@@ -117,9 +112,7 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
     return Statement(s, goal, given, computed={"limit": text})
 
 
-@claim(
-    "filter.rounding.band-beat",
-)
+@claim("filter.rounding.band-beat")
 def beat(mutation: Mutation) -> Statement:
     """-before' - e - 2^-51 T <= p' <= behind' + e + 2^-51 T, the same after the next, as the text
     computes it.
@@ -143,9 +136,7 @@ def beat(mutation: Mutation) -> Statement:
     return Statement(s, goals, given, computed=computed)
 
 
-@claim(
-    "filter.rounding.band-stays",
-)
+@claim("filter.rounding.band-stays")
 def stays(mutation: Mutation) -> Statement:
     """g (1 + 2^-41) <= the share that stays, as the text computes it.
 
@@ -162,10 +153,7 @@ def stays(mutation: Mutation) -> Statement:
     return Statement(s, goal, given, computed={"made": stays_of(rate, time)})
 
 
-@claim(
-    "filter.rounding.band-fading",
-    premises="assumption.libm filter.rounding.band-stays",
-)
+@claim("filter.rounding.band-fading", premises="assumption.libm filter.rounding.band-stays")
 def fading(mutation: Mutation) -> Statement:
     """r g (1 + 2^-42) and p g, or r g alone where the sample is untimely, <= what the text keeps.
 
@@ -188,9 +176,7 @@ def fading(mutation: Mutation) -> Statement:
     return Statement(s, goals, given, computed=computed)
 
 
-@claim(
-    "filter.rounding.band-reached",
-)
+@claim("filter.rounding.band-reached")
 def reached(mutation: Mutation) -> Statement:
     """r + |to - u| reached <= how far the base is from its command, as the text computes it.
 
@@ -210,10 +196,7 @@ def reached(mutation: Mutation) -> Statement:
     return Statement(s, goal, given, computed={"made": after.reach})
 
 
-@claim(
-    "filter.rounding.band-past",
-    each=WAYS,
-)
+@claim("filter.rounding.band-past", each=WAYS)
 def past(mutation: Mutation, way: int) -> Statement:
     """v - held and held - v <= what the text takes for the bounds of what is past.
 

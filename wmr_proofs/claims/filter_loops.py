@@ -118,9 +118,7 @@ COUNTING: dict[str, object] = {
 """A governor whose commands may act for several periods, on one axis for longer."""
 
 
-@claim(
-    "filter.in-time",
-)
+@claim("filter.in-time")
 def in_time(mutation: Mutation) -> Statement:
     """behind that one the count is as right, and the governor trusts its bounds where it is as many
     as the commands that may act.
@@ -152,9 +150,7 @@ SLOW = LINEAR | {
 }  # fmt: skip
 
 
-@claim(
-    "filter.least",
-)
+@claim("filter.least")
 def least(mutation: Mutation) -> Statement:
     """the command that the whole clip sends with `filter.least` is within its limit on each axis
     and, where that is at least b, the least command that acts, it is 0 or no smaller than b; what
@@ -179,9 +175,7 @@ def least(mutation: Mutation) -> Statement:
     return Statement(named, goals, given, cuts)
 
 
-@claim(
-    "filter.ramp-rim",
-)
+@claim("filter.ramp-rim")
 def ramp_rim(mutation: Mutation) -> Statement:
     """The ramped command has |v + l omega|, |v - l omega| <= W after the step, too.
 
@@ -219,10 +213,7 @@ def pushed(g: EffectGraph) -> tuple[SX, Symbols]:
     return exchanged(vertcat(*map(expression, speeds)), trace.symbols, g), told
 
 
-@kick_claim(
-    "filter.held-push",
-    each=BOTH_AXES,
-)
+@kick_claim("filter.held-push", each=BOTH_AXES)
 def held_push(mutation: Mutation, axis: int) -> Statement:
     """h (F + push - F1(v))/M = (1 - e)(K u + d - v) on each axis, F the force that the graph of
     the first-order loop gives for the command u + error, d the speed that counts for push and
@@ -369,10 +360,7 @@ class Command(Named):
         return (1 - gone) * start + gone * (self.K_max * self.asked + push)
 
 
-@kick_claim(
-    "filter.held-rim",
-    premises="filter.held-kick",
-)
+@kick_claim("filter.held-rim", premises="filter.held-kick")
 def held_rim(mutation: Mutation) -> Statement:
     """where v falls towards the command, the rim stays within V by what friction may still lead to;
     where it does not, within V, and from the shortest time of a command on by all that friction may
@@ -401,10 +389,7 @@ def held_rim(mutation: Mutation) -> Statement:
     return t.states(goals, given=t.given)
 
 
-@kick_claim(
-    "filter.held-share",
-    premises="filter.held-friction filter.held-push filter.clip",
-)
+@kick_claim("filter.held-share", premises="filter.held-friction filter.held-push filter.clip")
 def held_share(mutation: Mutation) -> Statement:
     """|v|, |v + l omega| and |v - l omega| keep V and W behind the step, d the push that counts for
     x and V.

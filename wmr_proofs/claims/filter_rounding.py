@@ -72,9 +72,7 @@ def _computed(value: SX, exact: SX, off: Number = 0.0) -> Relations:
     return between((1 - LIBM) * exact - off, value, (1 + LIBM) * exact + off)
 
 
-@claim(
-    "filter.rounding.clip",
-)
+@claim("filter.rounding.clip")
 def clip(mutation: Mutation) -> Statement:
     """(K_max hi + dbar) (1 + 2^-46) <= V for the hi that the clip's text computes, by a quotient
     or by 1/K_max.
@@ -106,9 +104,7 @@ def target(mutation: Mutation) -> Statement:
     return Statement(s, within(s.target - exact, most), sound(b), computed=computed)
 
 
-@claim(
-    "filter.rounding.relaxed",
-)
+@claim("filter.rounding.relaxed")
 def carried_on(mutation: Mutation) -> Statement:
     """the computed relaxed(w, target) misses w + share (target - w) by at most 2^-48 V.
 
@@ -158,9 +154,7 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     return Statement(s, goals, given)
 
 
-@claim(
-    "filter.rounding.takeover",
-)
+@claim("filter.rounding.takeover")
 def takeover(mutation: Mutation) -> Statement:
     """e v + (1 - e) mean <= V (1 + 2^-28) for the hi that the governor's text computes, by
     quotients or by 1/K_max.
@@ -208,9 +202,7 @@ LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
 """Times for the structure of the pieces that odometry looks back through; others count alike."""
 
 
-@claim(
-    "filter.rounding.rest",
-)
+@claim("filter.rounding.rest")
 def rest(mutation: Mutation) -> Statement:
     """of a piece from start to end, what is left at -age misses end + age by at most 2^-52 age, as
     computed; where it is taken as over or as whole, it is to within 2^-52 age.
@@ -241,9 +233,7 @@ def rest(mutation: Mutation) -> Statement:
     return Statement(s, goals, given, computed=computed)
 
 
-@claim(
-    "filter.rounding.odometry",
-)
+@claim("filter.rounding.odometry")
 def odometry(mutation: Mutation) -> Statement:
     """v <= min(y + nbar, V) + 2^-28 V, the sum as computed.
 
@@ -259,9 +249,7 @@ def odometry(mutation: Mutation) -> Statement:
     return Statement(s, goal, (given, known), computed={"sum": s.y + b.nbar})
 
 
-@claim(
-    "filter.rounding.agrees",
-)
+@claim("filter.rounding.agrees")
 def agrees(mutation: Mutation) -> Statement:
     """above + below >= -2^-15 V, as computed.
 
@@ -280,9 +268,7 @@ def agrees(mutation: Mutation) -> Statement:
     return Statement(s, s.sum >= s.least, given, computed=computed)
 
 
-@claim(
-    "filter.rounding.free.way",
-)
+@claim("filter.rounding.free.way")
 def way(mutation: Mutation) -> Statement:
     """x <= farthest(w, m, t) + 1.25 2^-27 V t.
 
@@ -315,9 +301,7 @@ class Line(Stop[SX]):
         return instant, tau
 
 
-@claim(
-    "filter.rounding.free.line",
-)
+@claim("filter.rounding.free.line")
 def line(mutation: Mutation) -> Statement:
     """the computed s and r miss D - A + A_B q and A + A_B (1 - q) by at most 2^-46 (D + A_B).
 
@@ -340,9 +324,7 @@ def line(mutation: Mutation) -> Statement:
     return Statement(t, goals, given, cuts, computed={"s": s, "r": r})
 
 
-@claim(
-    "filter.rounding.free.command",
-)
+@claim("filter.rounding.free.command")
 def command(mutation: Mutation) -> Statement:
     """way + r max(speed, d) + (K_max u + d) s <= room + 2^-46 F.
 
@@ -364,9 +346,7 @@ def command(mutation: Mutation) -> Statement:
     return Statement(t, room + most >= need, given, computed={"hi": made})
 
 
-@claim(
-    "filter.rounding.free.ramp",
-)
+@claim("filter.rounding.free.ramp")
 def ramp(mutation: Mutation) -> Statement:
     """w h + w^2/(2 A) <= (1 + 2^-48) room, w = K u.
 
@@ -448,10 +428,7 @@ SCALED: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-@command_claim(
-    "filter.rounding.scaled",
-    each=SCALED,
-)
+@command_claim("filter.rounding.scaled", each=SCALED)
 def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
     """of the command that is computed lo <= v, omega <= hi, and lo - e M <= v + l omega, v - l
     omega <= hi + e M, each where it is limited: e = 2^-49 for wheels that are limited by themselves
@@ -489,10 +466,7 @@ def beside(mutation: Mutation) -> Statement:
     return Statement(a, goals, a.stated, computed=a.computed(made))
 
 
-@command_claim(
-    "filter.rounding.beside-cut",
-    premises="filter.rounding.beside",
-)
+@command_claim("filter.rounding.beside-cut", premises="filter.rounding.beside")
 def beside_cut(mutation: Mutation) -> Statement:
     """lo <= v, omega <= hi; lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the
     command that is sent.
@@ -511,9 +485,7 @@ def beside_cut(mutation: Mutation) -> Statement:
     return Statement(a, goals, (a.stated, known), a.computed(made))
 
 
-@command_claim(
-    "filter.rounding.slew-limit",
-)
+@command_claim("filter.rounding.slew-limit")
 def slew_limit(mutation: Mutation) -> Statement:
     """K hi (1 + 2^-29) + delta + a (1 + 2^-30) reach <= V for the hi that the text of the clip of
     slow commands computes, by a quotient or by 1/K.
@@ -540,9 +512,7 @@ def _slow(s: Symbols) -> Relations:
     return hi > 0, within(s.last, hi * (1 + OVER)), wanted
 
 
-@command_claim(
-    "filter.rounding.slew-kept",
-)
+@command_claim("filter.rounding.slew-kept")
 def slew_kept(mutation: Mutation) -> Statement:
     """|u| <= hi (1 + 2^-29), u as the text computes it.
 
@@ -558,9 +528,7 @@ def slew_kept(mutation: Mutation) -> Statement:
     return Statement(s, goals, (_slow(s), shares), computed=computed)
 
 
-@command_claim(
-    "filter.rounding.slew-step",
-)
+@command_claim("filter.rounding.slew-step")
 def slew_step(mutation: Mutation) -> Statement:
     """|u - u_before| <= a T (1 + 2^-30), the axis' own share >= 2^-22, as the text computes them.
 

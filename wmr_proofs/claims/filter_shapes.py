@@ -73,11 +73,7 @@ def _arms(channels: list[Channel]) -> Relations:
     return positive(*(channel.arm for channel in channels if channel.ways[1]))
 
 
-@claim(
-    "filter.sent.{key}",
-    premises="filter.limits",
-    over=SHAPES,
-)
+@claim("filter.sent.{key}", premises="filter.limits", over=SHAPES)
 def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]) -> Statement:
     """of the command that the whole governor sends, each limited speed is at most the step's limit,
     either way, whatever both axes are asked for: {limited}.
@@ -107,10 +103,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     return Statement(table, goals, given, cuts)
 
 
-@claim(
-    "filter.sent-clip.{key}",
-    over=SHAPES,
-)
+@claim("filter.sent-clip.{key}", over=SHAPES)
 def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ...]) -> Statement:
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the whole clip sends to
     first-order loops or linear ones: {limited}; where no wheel is limited, by one factor as well.
@@ -171,9 +164,7 @@ def clip_step(mutation: Mutation, more: dict[str, object], scale: str) -> Statem
     return Statement(table, goals, given, {"numbers are sound": clip.sound})
 
 
-@claim(
-    "filter.slew-sent.together",
-)
+@claim("filter.slew-sent.together")
 def slew_together(mutation: Mutation) -> Statement:
     """|u| <= c and |u - u_before| <= a t on both axes, 0 <= t <= T the time since the sample
     before, u what the whole clip of slow commands sends, both axes by one factor, each by its own
@@ -212,10 +203,7 @@ BANDS = (
 )  # fmt: skip
 
 
-@claim(
-    "filter.band.sent.{key}",
-    over=BANDS,
-)
+@claim("filter.band.sent.{key}", over=BANDS)
 def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> Statement:
     """u_before - fall <= u <= u_before + rise and |u| <= the largest command behind which 0 may
     follow, u what the whole band sends on either axis; of loops: {loops}.
@@ -319,11 +307,7 @@ TIMES: tuple[dict[str, object], ...] = (
 )  # fmt: skip
 
 
-@claim(
-    "filter.assembled.{key}",
-    premises="filter.sent",
-    over=TIMES,
-)
+@claim("filter.assembled.{key}", premises="filter.sent", over=TIMES)
 def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     """either axis, either way: E v + (1 - E) mean <= V behind every command u that the whole filter
     admits, mean at most what u or, once the base has stopped, pushes alone lead to; H = {H}.

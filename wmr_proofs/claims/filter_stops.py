@@ -154,9 +154,7 @@ class Plan(Named):
         return self.stop.steady(mutation(1, 1.01) * self.free, [self.at])
 
 
-@claim(
-    "filter.free.plan",
-)
+@claim("filter.free.plan")
 def plan(mutation: Mutation) -> Statement:
     """m D + (w - m) A + A_B (w + (m - w) q - d) + d B <= free, for both ends of tau.
 
@@ -170,9 +168,7 @@ def plan(mutation: Mutation) -> Statement:
     return a.states(goals, given=(a.given, admitted))
 
 
-@claim(
-    "filter.free.real",
-)
+@claim("filter.free.real")
 def real(mutation: Mutation) -> Statement:
     """x_2 + x_3 <= the larger of both ways m D + (w - m) A + A_B (w + (m - w) q - d) + d B.
 
@@ -225,9 +221,7 @@ def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[SX], list[Relations]]:
     return t, stop, given
 
 
-@claim(
-    "filter.leave.roll",
-)
+@claim("filter.leave.roll")
 def roll(mutation: Mutation) -> Statement:
     """x_3 <= d (B - A(B; tau_min)).
 
@@ -240,9 +234,7 @@ def roll(mutation: Mutation) -> Statement:
     return Statement(t, stop.roll >= t.x_3, (given, -t.v_3 >= 0), cuts)
 
 
-@claim(
-    "filter.free.retreat",
-)
+@claim("filter.free.retreat")
 def retreat(mutation: Mutation) -> Statement:
     """x_1 + x_2 + x_3 <= free, and x_1 + x_2 <= free.
 
@@ -261,9 +253,7 @@ def retreat(mutation: Mutation) -> Statement:
     return Statement(t, goals, given)
 
 
-@claim(
-    "filter.leave.hold",
-)
+@claim("filter.leave.hold")
 def hold(mutation: Mutation) -> Statement:
     """x_2 + x_3 <= 0.
 
@@ -281,9 +271,7 @@ def hold(mutation: Mutation) -> Statement:
     return Statement(t, -t.x_2 >= t.x_3, given)
 
 
-@claim(
-    "filter.leave.away",
-)
+@claim("filter.leave.away")
 def away(mutation: Mutation) -> Statement:
     """K u + push <= 0; E v + (1 - E)(K u + push) <= 0; (K u + push) t + (v - K u - push) A <= 0.
 
@@ -318,9 +306,7 @@ def ramp(mutation: Mutation) -> Statement:
     return Statement(t, goal, (positive(A, h), room >= 0, between(0, m, most)))
 
 
-@claim(
-    "guard.falling",
-)
+@claim("guard.falling")
 def falling(mutation: Mutation) -> Statement:
     """v_1 <= V_1, and the fall is at least 0.
 

@@ -25,12 +25,7 @@ from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
 from wmr_proofs.statement import Cuts, Group, Statement, positive, symbols
 
 from .authority_table import AXES, Numbers
-from .common import (
-    CLOSED_FORM,
-    BarrierAxis,
-    LawGraph,
-    barrier_axis,
-)
+from .common import CLOSED_FORM, BarrierAxis, LawGraph, barrier_axis
 from .sampled import SETTINGS
 
 
@@ -104,12 +99,7 @@ AHEAD = regions.smooth_cases(sides=("out+",))
 claim = Claims(given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
 
 
-@claim(
-    "gain.ceiling",
-    (12, 16),
-    by=Ring(regions.all_cases(), log_lemma=True),
-    premises="lemma.log",
-)
+@claim("gain.ceiling", (12, 16), by=Ring(regions.all_cases(), log_lemma=True), premises="lemma.log")
 def ceiling(mutation: Mutation) -> Statement:
     """V1i <= (v - v_c0)^2/2 + f(v).
 
@@ -122,11 +112,7 @@ def ceiling(mutation: Mutation) -> Statement:
     return a.states(mutation(J, J - 0.1 * (v - c) ** 2) >= a.V)
 
 
-@claim(
-    "gain.ceiling-smooth",
-    by=Ring(AHEAD, CLOSED_FORM, log_lemma=True),
-    premises="lemma.log",
-)
+@claim("gain.ceiling-smooth", by=Ring(AHEAD, CLOSED_FORM, log_lemma=True), premises="lemma.log")
 def ceiling_smooth(mutation: Mutation) -> Statement:
     """the same for the smooth barrier as compiled, and its A is the paper's less 1/(v_u1 - v_u2),
     for v > v_u2.

@@ -144,10 +144,7 @@ def rise(mutation: Mutation) -> Statement:
     return Statement(g.symbols, goals, g.sound, {f"goal{i}": g.goal[i] for i in AXES})
 
 
-@claim(
-    "gate.inside.{key}",
-    over=SHAPES,
-)
+@claim("gate.inside.{key}", over=SHAPES)
 def inside_shapes(
     mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
 ) -> Statement:
@@ -195,10 +192,7 @@ class BehindGovernor:
         self.limits, self.sent = exchanged(limits, *both), system.outputs[0].expr
 
 
-@claim(
-    "gate.governor",
-    premises="filter.limits",
-)
+@claim("gate.governor", premises="filter.limits")
 def before_governor(mutation: Mutation) -> Statement:
     """sent_i is at most the governor's limit of the step, either way.
 

@@ -45,10 +45,7 @@ def axes(mutation: Mutation) -> Statement:
     return Statement(table, goals, positive(one.period, two.period))
 
 
-@claim(
-    "guard.promise",
-    each=EACH,
-)
+@claim("guard.promise", each=EACH)
 def promise(mutation: Mutation, a: GuardAxis) -> Statement:
     """feasible = 1 implies 2 net (1 + alpha delay) <= M_min alpha (u1 - f_speed), 2 nbar <= u1,
     brake >= net, M_min <= M_max, f_speed < u1 and alpha T <= 1; with jitter also 2 net mixed <=
@@ -94,9 +91,7 @@ def simulated(mutation: Mutation) -> Statement:
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
 
-@claim(
-    "guard.monitor",
-)
+@claim("guard.monitor")
 def not_blamed(mutation: Mutation) -> Statement:
     """d_least is at most the mean disturbance of the sample in the direction of motion, or 0,
     driving forwards or backwards.
@@ -135,9 +130,7 @@ def quiet(mutation: Mutation) -> Statement:
     return Statement(a | {"old": old}, least == 0, given)
 
 
-@claim(
-    "guard.monitor-sharp",
-)
+@claim("guard.monitor-sharp")
 def sharp(mutation: Mutation) -> Statement:
     """d_least is the push of the sample, forwards and backwards.
 
@@ -164,9 +157,7 @@ SINCE = Since(
 """Commands that may have acted: of mean either of two, then the older one; likewise of rest."""
 
 
-@claim(
-    "guard.monitor-late",
-)
+@claim("guard.monitor-late")
 def late(mutation: Mutation) -> Statement:
     """late velocities: d_least <= D where the velocity changed since the previous sample, either
     way, by no more than a push D and the commands that may have acted explain, in the mean or from

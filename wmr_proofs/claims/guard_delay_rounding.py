@@ -116,10 +116,7 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     return Statement(q, goal, given, q.before, computed=computed)
 
 
-@claim(
-    "guard.delay.rounding.both",
-    each=BOTH_AXES,
-)
+@claim("guard.delay.rounding.both", each=BOTH_AXES)
 def both(mutation: Mutation, axis: int) -> Statement:
     """one command more: both computed sums together <= (1 + g + 3 2^-53) sum tau_j (most + net + 3
     2^-53 |net|); on each axis.
@@ -340,10 +337,7 @@ def room(mutation: Mutation) -> Statement:
     return Statement(a, a.leaves(a.brakes), given)
 
 
-@claim(
-    "guard.delay.rounding.size",
-    premises="assumption.libm guard.delay.rounding.caps",
-)
+@claim("guard.delay.rounding.size", premises="assumption.libm guard.delay.rounding.caps")
 def size(mutation: Mutation) -> Statement:
     """|F^| <= (K + max(-net, 0)) (1 + 2^-50), and |F^| <= max(largest, brakes).
 
@@ -359,10 +353,7 @@ def size(mutation: Mutation) -> Statement:
     return Statement(a, goals, given, a.caps, computed=a.text(a.asked))
 
 
-@claim(
-    "guard.delay.rounding.anchor",
-    premises="assumption.libm guard.delay.rounding.caps",
-)
+@claim("guard.delay.rounding.anchor", premises="assumption.libm guard.delay.rounding.caps")
 def anchor(mutation: Mutation) -> Statement:
     """the computed safe point is at most the computed brakes.
 

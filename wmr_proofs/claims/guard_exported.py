@@ -130,11 +130,7 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a, goals, given, cuts)
 
 
-@claim(
-    "guard.assembled.keeps",
-    premises="guard.kept guard.delay.kept",
-    each=EXPORTED,
-)
+@claim("guard.assembled.keeps", premises="guard.kept guard.delay.kept", each=EXPORTED)
 def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     """both axes, both ways: v + t max(F + net, 0)/M <= u1 for t in [0, T], F the exact force of the
     torques of the whole guard, with either map, v the speed or f_speed where that is more; for t =

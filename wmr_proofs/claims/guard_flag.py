@@ -89,11 +89,7 @@ def conditions(mutation: Mutation, n: int) -> Statement:
     return e.computes({"flag": e.told["feasible"]}, free, goals, free.flag > 0)
 
 
-@claim(
-    "guard.flag.braking",
-    premises="guard.flag.conditions assumption.libm",
-    each=DELAYS,
-)
+@claim("guard.flag.braking", premises="guard.flag.conditions assumption.libm", each=DELAYS)
 def braking(mutation: Mutation, n: int) -> Statement:
     """each axis' brakes as doubles compute them are off by at most 4 (1 + n) 2^-50 S, and at most S
     in size, S = M_min alpha u1 + |net|; n = 0 and 2.
@@ -113,11 +109,7 @@ def braking(mutation: Mutation, n: int) -> Statement:
     return e.computes(computed, free, goals, given)
 
 
-@claim(
-    "guard.flag.reach",
-    premises="guard.flag.braking assumption.libm",
-    each=DELAYS,
-)
+@claim("guard.flag.reach", premises="guard.flag.braking assumption.libm", each=DELAYS)
 def reach(mutation: Mutation, n: int) -> Statement:
     """feasible = 1 as doubles compute it implies FB1 + FB2/l <= phi (1 + 2^-47) + 8 (1 + n) 2^-50
     (S1 + S2/l), FB the exact brakes; n = 0 and 2.
@@ -143,10 +135,7 @@ def reach(mutation: Mutation, n: int) -> Statement:
 watched_claim = Claims()
 
 
-@watched_claim(
-    "guard.assembled.watched",
-    premises="wheels.linear-first",
-)
+@watched_claim("guard.assembled.watched", premises="wheels.linear-first")
 def watched(mutation: Mutation) -> Statement:
     """without the guard, the whole controller's torques are what linear-first makes of the force
     that the law asks for; the flag, the torque that is remembered as applied and each d_least are
@@ -161,10 +150,7 @@ def watched(mutation: Mutation) -> Statement:
     return e.consists(force_to_wheel(r, half, MAPS["linear-first"](asked, e.phi, half)))
 
 
-@watched_claim(
-    "guard.assembled.applied",
-    premises="world.lag.applied",
-)
+@watched_claim("guard.assembled.applied", premises="world.lag.applied")
 def applied(mutation: Mutation) -> Statement:
     """on the guard's own graph, the torque that is remembered as applied is the mean, over the
     plant steps of the sample, of the lag's response to the commands that the delay lets through,
@@ -201,9 +187,7 @@ def applied(mutation: Mutation) -> Statement:
     return Statement(table, goals, (free.e > 0, free.e < 1), cuts)
 
 
-@watched_claim(
-    "guard.delay.rounding.kept",
-)
+@watched_claim("guard.delay.rounding.kept")
 def kept(mutation: Mutation) -> Statement:
     """the bounds that the exported guard is built with have u1 = v_u1 (1 - kept), kept = (1 + n)
     2^-44 and alpha delay <= n (1 + 2^-50).

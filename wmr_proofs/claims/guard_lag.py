@@ -72,9 +72,7 @@ def varying_integral(mutation: Mutation) -> Statement:
     return Statement(t, goal)
 
 
-@claim(
-    "guard.varying.piece",
-)
+@claim("guard.varying.piece")
 def varying_piece(mutation: Mutation) -> Statement:
     """the weighted integral of Z over a piece is between 0 and its weight times S.
 
@@ -111,11 +109,7 @@ def varying_more(mutation: Mutation) -> Statement:
     return a.states(goals, given=(exponentials(a), sizes))
 
 
-@claim(
-    "guard.{at}spare",
-    premises="guard.late.caps guard.varying.piece",
-    over=LAGS,
-)
+@claim("guard.{at}spare", premises="guard.late.caps guard.varying.piece", over=LAGS)
 def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     """core >= max(brakes + net, 0)/alpha ahead, or behind, or for both together, core = M_min (u1 -
     reached) + b Z - (b + J) S.
@@ -136,11 +130,7 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a, larger(*cores) >= need, rules, a.cuts)
 
 
-@claim(
-    "guard.{at}left",
-    premises="guard.varying.more",
-    over=LAGS,
-)
+@claim("guard.{at}left", premises="guard.varying.more", over=LAGS)
 def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min room >= min(core, S/alpha), core = M_min (u1 - reached) + b Z - (b + J) S.
 
@@ -162,11 +152,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a, goal, given)
 
 
-@claim(
-    "guard.{at}room",
-    premises="guard.{at}left guard.{at}spare",
-    over=LAGS,
-)
+@claim("guard.{at}room", premises="guard.{at}left guard.{at}spare", over=LAGS)
 def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together.
 
@@ -185,10 +171,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a | t, goal, given)
 
 
-@claim(
-    "guard.{at}counts",
-    over=LAGS,
-)
+@claim("guard.{at}counts", over=LAGS)
 def counts(mutation: Mutation, a: GuardAxis) -> Statement:
     """room is at most what each of its lines leaves of u1 less what is reached when the new command
     may first take over; either way.
@@ -230,11 +213,7 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a, goals, given, a.rooms)
 
 
-@claim(
-    "guard.{at}graceful",
-    premises="guard.{at}counts",
-    over=on("varying.", back=True),
-)
+@claim("guard.{at}graceful", premises="guard.{at}counts", over=on("varying.", back=True))
 def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D: what is reached, with D for every time that counts, and what the last and
     the new command add, as in guard.varying.inside, is at most u1 + D (T + late)/M_min; for v and

@@ -161,11 +161,7 @@ PRECISIONS = (
 claim = Claims(premises="assumption.libm")
 
 
-@claim(
-    "guard.{name}.force",
-    over=PRECISIONS,
-    each=WAYS,
-)
+@claim("guard.{name}.force", over=PRECISIONS, each=WAYS)
 def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     """the computed force F^ has F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -
     max(v, f_speed)), 0), and the same of -F^ and -v.
@@ -218,11 +214,7 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
-@claim(
-    "guard.{name}.maps",
-    over=PRECISIONS,
-    each={kind: {"kind": kind} for kind in MAPS},
-)
+@claim("guard.{name}.maps", over=PRECISIONS, each={kind: {"kind": kind} for kind in MAPS})
 def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     """each map as computed ends between the asked force and the safe point, to 12 {unit} (G1 +
     G2/l) in N, l times that in N m.
@@ -250,10 +242,7 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     return Statement(t, goals, given, computed=computed, unit=precision.unit)
 
 
-@claim(
-    "guard.{name}.torques",
-    over=PRECISIONS,
-)
+@claim("guard.{name}.torques", over=PRECISIONS)
 def converted(mutation: Mutation, precision: Precision) -> Statement:
     """the exact force of the computed torques differs from the force that was converted by at most
     5 {unit} (|F| + |N|/l), the moment by l times that.
@@ -272,11 +261,7 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)
 
 
-@claim(
-    "guard.{name}",
-    premises="{parts} guard.axes guard.lemma",
-    over=PRECISIONS,
-)
+@claim("guard.{name}", premises="{parts} guard.axes guard.lemma", over=PRECISIONS)
 def together(mutation: Mutation, precision: Precision) -> Statement:
     """max(v, f_speed) + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the
     torques that the compiled text computes: from |v| <= u1 to |v| <= u1, and the same for -v.

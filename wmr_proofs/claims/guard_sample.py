@@ -58,11 +58,7 @@ def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a, a.hi >= a.lo, a.can_brake(mutation(1, 1.01)), a.rooms)
 
 
-@claim(
-    "guard.{at}largest",
-    premises="guard.{at}caps",
-    over=on("delay.", "late."),
-)
+@claim("guard.{at}largest", premises="guard.{at}caps", over=on("delay.", "late."))
 def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     """|F| <= largest.
 
@@ -75,11 +71,7 @@ def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a, goals, a.stated, a.rooms)
 
 
-@claim(
-    "guard.{at}anchor",
-    premises="{capped}",
-    over=on("", "delay.", "late."),
-)
+@claim("guard.{at}anchor", premises="{capped}", over=on("", "delay.", "late."))
 def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     """|clip(0, lo, hi)| <= brakes = min(brake, cap).
 
@@ -91,11 +83,7 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
     return Statement(a, most >= abs(a.force(SX(0))), a.stated, a.rooms)
 
 
-@claim(
-    "guard.{at}inside",
-    premises="{kept}",
-    over=on("", "delay.", "late.", back=True),
-)
+@claim("guard.{at}inside", premises="{kept}", over=on("", "delay.", "late.", back=True))
 def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """v+ <= u1{where}: v+ + t max(F + net, 0)/M <= u1 as long as it acts, v+ = max(v, f_speed),
     whatever the law asks for; and the same of -v and -F.
@@ -108,11 +96,7 @@ def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a, a.u1 >= a.then(way), given, a.rooms)
 
 
-@claim(
-    "guard.{at}outside",
-    premises="{counts}",
-    over=on(*ALL, back=True),
-)
+@claim("guard.{at}outside", premises="{counts}", over=on(*ALL, back=True))
 def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """{v} > u1{where}: F + net <= -min(brakes - net, M_max ({v} - u1)/T) <= 0; and the same of -v
     and -F.
@@ -128,10 +112,7 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a, goals, a.outside(way), cuts)
 
 
-@claim(
-    "guard.{at}{only}return",
-    over=on("", "delay.", "late.steady.", back=True),
-)
+@claim("guard.{at}{only}return", over=on("", "delay.", "late.steady.", back=True))
 def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """{v} > u1{where}: a sample later {v} <= max(u1, {v} - T (brakes - net)/M); and the same of
     -v.
@@ -163,10 +144,7 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
     return Statement(a, limit >= fallen, (a.feasible(), a.during()))
 
 
-@claim(
-    "guard.{at}graceful",
-    over=on("", "delay.", back=True),
-)
+@claim("guard.{at}graceful", over=on("", "delay.", back=True))
 def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps v and -v <= u1 + D (T{late})/M_min.
 
@@ -182,11 +160,7 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     return Statement(a, limit >= a.then(way, D), given, a.cuts)
 
 
-@claim(
-    "guard.{at}graceful",
-    premises="guard.{at}left",
-    over=on("late.", back=True),
-)
+@claim("guard.{at}graceful", premises="guard.{at}left", over=on("late.", back=True))
 def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for v and -v.
 

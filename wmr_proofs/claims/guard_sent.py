@@ -64,9 +64,7 @@ def caps(mutation: Mutation, a: GuardAxis) -> Statement:
 
 
 @claim(
-    "guard.delay.command",
-    over=on("delay."),
-    each={"linear": {"place": 0}, "angular": {"place": 1}},
+    "guard.delay.command", over=on("delay."), each={"linear": {"place": 0}, "angular": {"place": 1}}
 )
 def command(mutation: Mutation, place: int) -> Statement:
     """max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for a single command under way, and v
@@ -112,10 +110,7 @@ def queue(mutation: Mutation) -> Statement:
     return Statement(a | t, goals, positive(a.bounds.M_min))
 
 
-@claim(
-    "guard.late.piece",
-    premises="guard.late.caps",
-)
+@claim("guard.late.piece", premises="guard.late.caps")
 def late_piece(mutation: Mutation) -> Statement:
     """a piece of time in which either of two commands acts adds at most what it is counted for,
     whichever acts and for however long, and each way at most its time (largest + net)/M_min.
@@ -141,9 +136,7 @@ def late_piece(mutation: Mutation) -> Statement:
     return Statement(a, goals, (a.stated, a.during(), sent, during))
 
 
-@claim(
-    "guard.late.tail",
-)
+@claim("guard.late.tail")
 def late_tail(mutation: Mutation) -> Statement:
     """behind a lag, the count of older commands is decay times its last value plus what the oldest
     listed command adds; both axes and ways. One that is remembered as 0 is what forces of 0 for
@@ -341,10 +334,7 @@ def necessary(mutation: Mutation) -> Statement:
     return Statement(t, time * (dbar - force) / mass > u1, (sizes, tight))
 
 
-@limits_claim(
-    "guard.sides",
-    each=EACH,
-)
+@limits_claim("guard.sides", each=EACH)
 def sides(mutation: Mutation, a: GuardAxis) -> Statement:
     """with another limit for -v, hi is at least that of the guard whose one limit is the smaller of
     both, and the caps are that guard's; lo, -hi of -v, with the limits exchanged: at once, behind a

@@ -76,11 +76,7 @@ def velocity_back(mutation: Mutation) -> Statement:
     return Statement(t, every(back, v))
 
 
-@claim(
-    "eq04",
-    (1, 4),
-    by=Ring(DECLARED),
-)
+@claim("eq04", (1, 4), by=Ring(DECLARED))
 def projection(mutation: Mutation) -> Statement:
     """H' times (1), with q' = H v and no Coriolis matrix, is M1 v' + F1 = B1 tau; the constraint
     force is gone.
@@ -120,12 +116,7 @@ def eq04_reduced(mutation: Mutation) -> Statement:
     return Statement(t, (masses, forces, every(coriolis, SX(2, 2))))
 
 
-@claim(
-    "eq04.plant",
-    (1, 4, 5),
-    form=OURS,
-    by=Ring(ROBOT),
-)
+@claim("eq04.plant", (1, 4, 5), form=OURS, by=Ring(ROBOT))
 def eq04_plant(mutation: Mutation) -> Statement:
     """the simulated plant's rates satisfy M1 v' + F1 = B1 (tau + noise) and q' = H v.
 

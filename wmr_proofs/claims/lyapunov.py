@@ -11,12 +11,7 @@ from wmr_proofs.paper_functions import target_rate, total_barrier
 from wmr_proofs.regions import at
 from wmr_proofs.statement import Statement, symbols
 
-from .common import (
-    CLOSED_FORM,
-    BarrierAxis,
-    LawGraph,
-    named_axes,
-)
+from .common import CLOSED_FORM, BarrierAxis, LawGraph, named_axes
 
 
 class Moving(BarrierAxis):
@@ -257,11 +252,7 @@ def decay(mutation: Mutation, axis: int) -> Statement:
     return Statement(t | free, rate == -mutation * rho * value, (), law.inner(axis))
 
 
-@claim(
-    "eq30.printed",
-    (30,),
-    by=Refute(KINK),
-)
+@claim("eq30.printed", (30,), by=Refute(KINK))
 def quotient_at_kink(mutation: Mutation) -> Statement:
     """V1' = -rho V1 at every instant, |v| = v_u2 included.
 

@@ -179,11 +179,7 @@ def basis_product(mutation: Mutation) -> Statement:
     return Statement(t, every(nn.corner_basis(z, t.eta, SX(1)), plain))
 
 
-@claim(
-    "eq59.printed",
-    (59,),
-    by=Refute(FAR_POINT),
-)
+@claim("eq59.printed", (59,), by=Refute(FAR_POINT))
 def target_bounded(_: Mutation) -> Statement:
     """the target (59) is bounded on a bounded set of velocities, so that a network can approximate
     it.
@@ -319,12 +315,7 @@ def eq72(mutation: Mutation, combined: bool) -> Statement:
     return n.statement(bound >= n.rate)
 
 
-@claim(
-    "eq82-83",
-    (82, 83),
-    by=BOUND,
-    premises="eq81",
-)
+@claim("eq82-83", (82, 83), by=BOUND, premises="eq81")
 def printed_step(mutation: Mutation) -> Statement:
     """V3i' <= -(rho1 - 1) V1i/M1 + ... by (73) and (81); one inequality with two numbers.
 
@@ -339,12 +330,7 @@ def printed_step(mutation: Mutation) -> Statement:
     return n.statement(bound + leak >= n.rate)
 
 
-@claim(
-    "eq84-85",
-    (84, 85, 87),
-    by=Ring((DECAYING,), spare=0),
-    premises="eq81",
-)
+@claim("eq84-85", (84, 85, 87), by=Ring((DECAYING,), spare=0), premises="eq81")
 def decay(mutation: Mutation) -> Statement:
     """V3i' <= -rho2 V3i + C_i per axis.
 
@@ -382,13 +368,7 @@ def rate_is_least(mutation: Mutation) -> Statement:
     return Statement(t, goals, given + ones)
 
 
-@claim(
-    "eq60.step",
-    (60, 88),
-    form=CORRECTED,
-    by=Z3(),
-    premises="eq81",
-)
+@claim("eq60.step", (60, 88), form=CORRECTED, by=Z3(), premises="eq81")
 def end_bound(mutation: Mutation) -> Statement:
     """|z|^2 <= 4 C3/rho2 as soon as V3 <= 2 C3/rho2 (the text after (88) sets 4 C3/rho2 = eps3,
     which must be eps3^2).

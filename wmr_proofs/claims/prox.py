@@ -88,9 +88,7 @@ def transport_share(mutation: Mutation) -> Statement:
 
 
 @transport_claim(
-    "transport.moves",
-    premises="convex smooth.convex eq81 prox.optimal",
-    each=EITHER_BARRIER,
+    "transport.moves", premises="convex smooth.convex eq81 prox.optimal", each=EITHER_BARRIER
 )
 def moves(mutation: Mutation, smooth: bool) -> Statement:
     """with D = c+ - c, d = v_c1+ - v_c1, w = v - v_c1: -w D + d^2/2 <= V1i(v; c+) - V1i(v; c) <= -w
@@ -178,11 +176,7 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     return g.states(goals, (u1 >= abs(t.v),))
 
 
-@transport_claim(
-    "transport.plain",
-    premises=f"{COMPILED} prox.optimal",
-    each=EITHER_BARRIER,
-)
+@transport_claim("transport.plain", premises=f"{COMPILED} prox.optimal", each=EITHER_BARRIER)
 def plain(mutation: Mutation, smooth: bool) -> Statement:
     """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c, with either barrier.
 
@@ -202,10 +196,7 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
     return Statement(t | free, g.end == mutation * ahead, given, cuts)
 
 
-@transport_claim(
-    "transport.root",
-    premises="transport.moves eq81",
-)
+@transport_claim("transport.root", premises="transport.moves eq81")
 def root_moves(mutation: Mutation) -> Statement:
     """S(v; c+) <= S(v; c) + |c+ - c|, S = sqrt(2 V1i).
 
@@ -282,10 +273,7 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
     return Statement(t, rises >= 0, (_limits(t), sizes, kinks))
 
 
-@map_claim(
-    "prox.not-expansive",
-    premises="prox.optimal prox.monotone",
-)
+@map_claim("prox.not-expansive", premises="prox.optimal prox.monotone")
 def not_expansive(mutation: Mutation) -> Statement:
     """|X_k(c1) - X_k(c2)| <= |c1 - c2|.
 
@@ -313,11 +301,7 @@ def prox_root(mutation: Mutation) -> Statement:
     return Statement(t, (d > 0, d * (d + mutation * t.t) == t.k), t.k > 0)
 
 
-@map_claim(
-    "prox.short",
-    premises="prox.root",
-    each=EITHER_BARRIER,
-)
+@map_claim("prox.short", premises="prox.root", each=EITHER_BARRIER)
 def short(mutation: Mutation, smooth: bool) -> Statement:
     """|c| <= C implies |X_k(c)| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with m (m + C -
     v_u1 + b) <= k, b = 0 with the paper's barrier and k/(v_u1 - v_u2) with the smooth one.
@@ -413,9 +397,7 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
 
 
 @claim(
-    "prox.decay",
-    premises="prox.optimal convex smooth.convex transport.inside",
-    each=EITHER_BARRIER,
+    "prox.decay", premises="prox.optimal convex smooth.convex transport.inside", each=EITHER_BARRIER
 )
 def decay(mutation: Mutation, smooth: bool) -> Statement:
     """V1i(v+; c+) <= E^2 V1i(v*; c+), with either barrier.
@@ -440,11 +422,7 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     return s.states(goals, given, ("carried", "end", "x_target"), t)
 
 
-@claim(
-    "prox.linear",
-    premises="transport.plain",
-    each=EITHER_BARRIER,
-)
+@claim("prox.linear", premises="transport.plain", each=EITHER_BARRIER)
 def linear(mutation: Mutation, smooth: bool) -> Statement:
     """v+ = E v* + (1-E) c+ where that is at most v_u2 in size, with either barrier.
 
@@ -459,11 +437,7 @@ def linear(mutation: Mutation, smooth: bool) -> Statement:
     return s.states((s.end == mutation * plain,), given, ("carried",))
 
 
-@claim(
-    "prox.margin",
-    premises="transport.inside prox.short",
-    each=EITHER_BARRIER,
-)
+@claim("prox.margin", premises="transport.inside prox.short", each=EITHER_BARRIER)
 def margin(mutation: Mutation, smooth: bool) -> Statement:
     """|v*| <= v_u1 and |c+| <= C imply |v+| <= v_u1 - m for each 0 < m <= v_u1 - v_u2 with m (m +
     (1-E) (C - v_u1 + b)) <= 1 - E, b = 0 with the paper's barrier and 1/(v_u1 - v_u2) with the
@@ -483,11 +457,7 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     return s.states((u1 - t.m >= abs(s.end),), given, ("carried", "end"), t)
 
 
-@claim(
-    "prox.rises",
-    by=Z3(),
-    premises="prox.decay transport.level transport.root",
-)
+@claim("prox.rises", by=Z3(), premises="prox.decay transport.level transport.root")
 def rises(mutation: Mutation) -> Statement:
     """S(v+; c+) <= E (S(v; c) + |c+ - c_m|), S = sqrt(2 V1i); c_m = c+: V1i(v+; c+) <= E^2 V1i(v;
     c).

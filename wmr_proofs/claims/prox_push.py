@@ -98,8 +98,7 @@ claim = Claims()
 
 
 @claim(
-    "prox.assembled{part}",
-    over=({"part": "", "moved": "c'_d"}, {"part": "-level", "moved": "c'"}),
+    "prox.assembled{part}", over=({"part": "", "moved": "c'_d"}, {"part": "-level", "moved": "c'"})
 )
 def assembled(mutation: Mutation, part: str) -> Statement:
     """on the law's graph v+ = X_(1-E)(E v* + (1-E) c+) with E = exp(-rho T/2), c+ = c + T c' and v*
@@ -141,11 +140,7 @@ def force(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=s.numbers, cuts=s.force_cuts)
 
 
-@claim(
-    "prox.pushed",
-    premises="prox.contracts prox.not-expansive",
-    each=BOTH_AXES,
-)
+@claim("prox.pushed", premises="prox.contracts prox.not-expansive", each=BOTH_AXES)
 def pushed(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - c_m|) + T
     |f + d|/M + |eps|, on each axis.
@@ -166,11 +161,7 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=(s.numbers, nearest, moved), cuts=s.force_cuts, more=t)
 
 
-@claim(
-    "prox.limit",
-    premises="prox.margin transport.inside lemma.sampling",
-    each=BOTH_AXES,
-)
+@claim("prox.limit", premises="prox.margin transport.inside lemma.sampling", each=BOTH_AXES)
 def limit(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass right, no guard, torque not limited: from |v| <= v_u1, |c+| <= C to
     |v| <= v_u1 at the next sample, on each axis.
@@ -192,11 +183,7 @@ def falls(after: SX, before: SX, to: SX, share: SX) -> Relations:
     return share * fmax(before - to, 0) >= fmax(after - to, 0)
 
 
-@claim(
-    "prox.gain.step",
-    premises="prox.contracts",
-    each=BOTH_AXES,
-)
+@claim("prox.gain.step", premises="prox.contracts", each=BOTH_AXES)
 def gain_step(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph: max(|w+| - W, 0) <= E max(|w| - W, 0), on each axis.
 
@@ -249,10 +236,7 @@ def observer_first(mutation: Mutation) -> Statement:
     return Statement(law, goals)
 
 
-@claim(
-    "prox.observer",
-    each=BOTH_AXES,
-)
+@claim("prox.observer", each=BOTH_AXES)
 def observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, on each axis.
 
@@ -304,10 +288,7 @@ BELIEFS = rows(key=("", "-gentle"), numbers=(FAST, GENTLE))
 mass_claim = Claims()
 
 
-@mass_claim(
-    "prox.loop-force",
-    each=BOTH_AXES,
-)
+@mass_claim("prox.loop-force", each=BOTH_AXES)
 def loop_force(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: w+ = (1 - mu a) w + mu q, q = T f/M^, on each axis.
 
@@ -345,11 +326,7 @@ def sampled_before(axis: int) -> Both:
     return Both(Z3(), Ring((case,)))
 
 
-@mass_claim(
-    "prox.loop-observer{of}",
-    by=sampled_before,
-    over=named_axes(),
-)
+@mass_claim("prox.loop-observer{of}", by=sampled_before, over=named_axes())
 def loop_observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis.
 
@@ -367,10 +344,7 @@ def loop_observer(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=(s.observed, given), cuts=s.observer_cuts, more=t)
 
 
-@mass_claim(
-    "prox.jury",
-    premises=LOOP,
-)
+@mass_claim("prox.jury", premises=LOOP)
 def jury(mutation: Mutation) -> Statement:
     """velocity loop with observer: 1 + tr + det = 4 - mu (2 (a + L) - a L), 1 - tr + det = mu a L.
 

@@ -128,12 +128,7 @@ def held(mutation: Mutation, s: Held) -> Statement:
     return s.statement(mutation)
 
 
-@claim(
-    "{s.id}",
-    (9,),
-    by=lambda points: Refute(points),
-    over=SLOW,
-)
+@claim("{s.id}", (9,), by=lambda points: Refute(points), over=SLOW)
 def slow(mutation: Mutation, s: Held) -> Statement:
     """|{s.velocity}| <= {s.level} {s.unit} is kept with T = {s.milliseconds} ms for |v_c0| <=
     {s.target}, |v_c0'| <= {s.rate} and a disturbance of at most {s.disturbance} {s.unit}^2.
@@ -202,12 +197,7 @@ class NewtonStep:
 newton_claim = Claims(given="{HELD}; 0 < exp(-rho T) < 1{NO_SERIES}")
 
 
-@newton_claim(
-    "convex",
-    (12, 80),
-    by=Ring(tuple(_pairs()), log_lemma=True),
-    premises="lemma.log",
-)
+@newton_claim("convex", (12, 80), by=Ring(tuple(_pairs()), log_lemma=True), premises="lemma.log")
 def above_tangent(mutation: Mutation) -> Statement:
     """V1i(y) >= V1i(v) + a (y - v) + (y - v)^2/2 with a = A, and at |v| = v_u2 with every slope
     between those of the two sides.

@@ -132,11 +132,7 @@ def bounded(mutation: Mutation) -> Statement:
     return Statement(t, written >= t.fall)
 
 
-@tracking_claim(
-    "eq39.threshold",
-    (39,),
-    by=Z3(points=(SLIGHT,)),
-)
+@tracking_claim("eq39.threshold", (39,), by=Z3(points=(SLIGHT,)))
 def beyond(mutation: Mutation) -> Statement:
     """|sin e3| > sqrt(k2 eps1/k3) + eps0/(2 k3) makes V2' < 0.
 
@@ -206,13 +202,7 @@ SIDE_POINT = at(l=10, e1=1, e2=1, e3=0, k2=1)
 claim = Claims(form=PRINTED)
 
 
-@claim(
-    "eq40",
-    (40,),
-    form=CORRECTED,
-    by=Z3(points=(SIDE_POINT,)),
-    premises="lemma.sine",
-)
+@claim("eq40", (40,), form=CORRECTED, by=Z3(points=(SIDE_POINT,)), premises="lemma.sine")
 def start(mutation: Mutation) -> Statement:
     """V2(t0) < ((k2 + 1)/(2 k2 l^2) + 1/2) e2^2 for |e2| > l |e1|, |e2| > l |e3| (the text prints
     |e2| < l |e1|).
@@ -231,11 +221,7 @@ def start(mutation: Mutation) -> Statement:
     return Statement(t, goal, (l > 5, k2 > 0, sides, lemma))
 
 
-@claim(
-    "eq40.printed",
-    (40,),
-    by=Refute((SIDE_POINT,)),
-)
+@claim("eq40.printed", (40,), by=Refute((SIDE_POINT,)))
 def eq40_printed(mutation: Mutation) -> Statement:
     """the same for |e2| < l |e1|.
 
@@ -319,12 +305,7 @@ def angle_rate(mutation: Mutation) -> Statement:
     return t.states(t.rate[2] == written)
 
 
-@claim(
-    "eq46",
-    (46,),
-    by=Z3(points=(PUSHED,)),
-    premises="lemma.integration",
-)
+@claim("eq46", (46,), by=Z3(points=(PUSHED,)), premises="lemma.integration")
 def angle_grows(mutation: Mutation) -> Statement:
     """sgn(e3) e3' <= |k2 v1d e2 + z2| at every instant.
 
@@ -416,11 +397,7 @@ def angle_falls(mutation: Mutation) -> Statement:
     return Statement(t, bound > 5 * t.rate[2], given)
 
 
-@claim(
-    "eq51.printed",
-    (51,),
-    by=Refute((at(k2=5, k3=4, v1dmin="1/5", v1dmax="1/5"),)),
-)
+@claim("eq51.printed", (51,), by=Refute((at(k2=5, k3=4, v1dmin="1/5", v1dmax="1/5"),)))
 def printed_share(_: Mutation) -> Statement:
     """the share in (51) is 1 + 1.1 k2 v1dmax 10/v1dmin + k3/5.
 
@@ -455,12 +432,7 @@ def share(mutation: Mutation) -> Statement:
     return Statement(t, left == k2 * low * E * (k3 / (l * k2 * low) * share))
 
 
-@claim(
-    "eq51",
-    (51,),
-    form=CORRECTED,
-    premises="eq47 eq50",
-)
+@claim("eq51", (51,), form=CORRECTED, premises="eq47 eq50")
 def angle_speed(mutation: Mutation) -> Statement:
     """e3' < -0.5 k2 v1dmin |e2(t0)|.
 
@@ -495,11 +467,7 @@ def rise(mutation: Mutation) -> Statement:
     return Statement(t, t.eps1 >= bound + t.eps1, given)
 
 
-@claim(
-    "eq53-54",
-    (53, 54),
-    premises="eq51",
-)
+@claim("eq53-54", (53, 54), premises="eq51")
 def angle_end(mutation: Mutation) -> Statement:
     """from 3 T/5 on, e3 < -(2/l)|e2(t0)| < -4 (sqrt(k2 eps1/k3) + |z2|/(2 k3)), and mirrored for e2
     < 0 (s = -1).
@@ -546,13 +514,7 @@ def eq55_printed(mutation: Mutation, repaired: bool = False) -> Statement:
     return t.states(-mutation(3, 40) * eps1 > bound + eps1, given=given)
 
 
-@claim(
-    "eq55",
-    (55,),
-    form=CORRECTED,
-    by=Z3(points=BARELY_PAST),
-    premises="lemma.sine",
-)
+@claim("eq55", (55,), form=CORRECTED, by=Z3(points=BARELY_PAST), premises="lemma.sine")
 def eq55(mutation: Mutation) -> Statement:
     """the same where |sin e3| >= (7/11)|e3|, which holds for |e3| <= pi/2; that needs 4 x < pi/2.
 
