@@ -79,8 +79,7 @@ def proof(text: str, seconds: float = SECONDS) -> Node:
     """A tree that refutes an obligation; NotFound where none is found in time."""
     WORK.left = 10**15
     problem = Problem(text)
-    end = process_time() + seconds
-    return Search(end).tree(Case(problem, problem.facts, {}, {}))
+    return Search(process_time() + seconds).tree(Case(problem, problem.facts, {}, {}))
 
 
 def point(text: str, known: Mapping[str, str]) -> dict[str, str]:

@@ -26,8 +26,7 @@ def a_term(v: SX, c: SX, u1: SX, u2: SX) -> SX:
 
 def f(v: SX, u1: SX, u2: SX) -> SX:
     """f of Eqs. (14), (15): -ln((u1 - |v|)/(u1 - u2)) where |v| > u2, else 0."""
-    inside = if_else(h(v, u2), (u1 - abs(v)) / (u1 - u2), 1)
-    return -log(inside)
+    return -log(if_else(h(v, u2), (u1 - abs(v)) / (u1 - u2), 1))
 
 
 def minimiser(c: SX, u1: SX, u2: SX) -> SX:

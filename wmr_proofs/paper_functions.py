@@ -132,8 +132,7 @@ def strict_rate(e: SX, v_d: SX, k: SX, eps: SX) -> SX:
     """Rate of `strict_lyapunov` along Eqs. (33)-(35), v = v_c0 of Eq. (7) (not in the paper)."""
     symbol = SX.sym("e", 3)
     direction = error_rate(e, auxiliary_velocity(e, v_d, k), v_d)
-    rate = jtimes(strict_lyapunov(symbol, k[1], eps), symbol, direction)
-    return substitute(rate, symbol, e)
+    return substitute(jtimes(strict_lyapunov(symbol, k[1], eps), symbol, direction), symbol, e)
 
 
 def authority_limit(s: SX) -> SX:
@@ -198,8 +197,7 @@ def mean_rise(T: SX, eps1: SX) -> SX:
 
 def ball_radius(eps0: SX, l: SX, k: SX) -> SX:
     """Radius of Omega_1, and with eps3, eps4 of Omega_3, Eq. (61)."""
-    rest = square_rest(eps0**2, eps0**2, k)
-    ahead = sqrt(rest / k[0]) + eps0 / (2 * k[0])
+    ahead = sqrt(square_rest(eps0**2, eps0**2, k) / k[0]) + eps0 / (2 * k[0])
     return (1 + l) * (ahead + 2 * threshold(eps0, k))
 
 

@@ -15,9 +15,11 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
-from typing import Any
+from typing import Any, TypeAlias
 
 POSITIVE, NONNEGATIVE, NONZERO, FREE = "> 0", ">= 0", "!= 0", "any"
+Values: TypeAlias = Mapping[str, Any]
+"""Numbers of a chart, or the inputs that it fixes, by name."""
 _SAMPLES = tuple(map(Fraction, ("1/2", "3/5", "7/4", "2/7", "5/3", "11/13")))
 
 
@@ -27,7 +29,7 @@ class Case:
 
     label: str
     numbers: Mapping[str, str] = field(default_factory=dict)
-    values: Callable[[Mapping[str, Any]], Mapping[str, Any]] = lambda _: {}
+    values: Callable[[Values], Values] = lambda _: {}
     declared: Mapping[str, str] = field(default_factory=dict)
 
     def sample(self, names: tuple[str, ...], shift: int) -> dict[str, Fraction]:
@@ -49,6 +51,9 @@ class Case:
         charts = [{name: _sample(3 * k + s) for k, name in enumerate(self.numbers)} for s in (1, 2)]
         points = [sorted((n, str(x)) for n, x in self.values(chart).items()) for chart in charts]
         return [self.label, dict(self.numbers), dict(self.declared), points]
+
+
+Cases: TypeAlias = tuple[Case, ...]
 
 
 def _sample(k: int) -> Fraction:
@@ -80,7 +85,7 @@ def axis_case(suffix: str, target: str, side: str, order: str = "") -> Case:
     names = [u2_name, b_name, *([j_name] if target[:-1] in CHARTED else [])]
     names += [i_name] if is_placed else []
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         u2, b = n[u2_name], n[b_name]
         i = j = n[j_name] if target[:-1] in CHARTED else 0
         if is_placed:
@@ -123,7 +128,7 @@ def tangent_case(y_side: str, v_side: str) -> Case:
     names = {"u2": POSITIVE, "b": POSITIVE}
     names |= {n: POSITIVE for n, s in (("k", y_side), ("i", v_side)) if s[:-1] in CHARTED}
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         u2, b = n["u2"], n["b"]
         y, v = (side_value(side, u2, b, n.get(k, 0)) for side, k in ((y_side, "k"), (v_side, "i")))
         return {"u1": u2 + b, "u2": u2, "y": y, "v": v}
@@ -131,14 +136,14 @@ def tangent_case(y_side: str, v_side: str) -> Case:
     return Case(f"y {y_side}, v {v_side}", names, values)
 
 
-def open_cases(suffix: str = "") -> tuple[Case, ...]:
+def open_cases(suffix: str = "") -> Cases:
     """The 35 open regions, where everything is differentiable."""
     return tuple(axis_case(suffix, t, s) for t in TARGETS for s in SIDES)
 
 
 def _ordered_cases(
     targets: Iterable[str], sides: Iterable[str], orders: tuple[str, ...], *more: tuple[str, str]
-) -> tuple[Case, ...]:
+) -> Cases:
     """Regions, with every order of |v| and |v_c1| if both share an interval or are in ``more``."""
     return tuple(
         axis_case("", t, s, order)
@@ -147,23 +152,23 @@ def _ordered_cases(
     )
 
 
-def all_cases() -> tuple[Case, ...]:
+def all_cases() -> Cases:
     """All regions with their boundaries, and the order of |v| and |v_c1| in a common interval."""
     return _ordered_cases((*TARGETS, *TARGET_EDGES), (*SIDES, *SIDE_EDGES), ("<", "=", ">"))
 
 
-def off_target_cases() -> tuple[Case, ...]:
+def off_target_cases() -> Cases:
     """The open regions without v = v_c1, where A is 0."""
     cases = _ordered_cases(TARGETS, SIDES, ("<", ">"))
     return tuple(case for case in cases if case.label != "v_c0 zero, v zero")
 
 
-def smooth_cases(sides: Iterable[str] = SIDES + SIDE_EDGES) -> tuple[Case, ...]:
+def smooth_cases(sides: Iterable[str] = SIDES + SIDE_EDGES) -> Cases:
     """All regions of the smooth barrier; ordered also where v and v_c1 have opposite signs."""
     return _ordered_cases(SMOOTH_TARGETS, sides, ("<", "=", ">"), ("beyond", "out"))
 
 
-def target_cases(edges: bool = True) -> tuple[Case, ...]:
+def target_cases(edges: bool = True) -> Cases:
     """Regions of v_c0 alone (v at 0)."""
     targets = TARGETS + TARGET_EDGES if edges else TARGETS
     return tuple(axis_case("", t, "zero") for t in targets)
@@ -177,14 +182,14 @@ def _shared(target: str, side: str) -> bool:
 def joined(one: Case, two: Case) -> Case:
     """Both cases together; their inputs and numbers must have different names."""
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         return {**one.values(n), **two.values(n)}
 
     label, declared = f"{one.label}; {two.label}", {**one.declared, **two.declared}
     return Case(label, {**one.numbers, **two.numbers}, values, declared)
 
 
-def paired_cases() -> tuple[Case, ...]:
+def paired_cases() -> Cases:
     """Every open region of axis 1 and of axis 2 once, each with a different region of the other
     axis.
 
@@ -199,13 +204,13 @@ def renamed(
 ) -> Case:
     """The case with its inputs under other names."""
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         return {names.get(key, key): value for key, value in case.values(n).items()}
 
     return Case(case.label, case.numbers, values, {**case.declared, **(declared or {})})
 
 
-def law_cases(cases: Iterable[Case], axis: int) -> tuple[Case, ...]:
+def law_cases(cases: Iterable[Case], axis: int) -> Cases:
     """Cases of one axis under the names of a law's ports."""
     k = axis + 1
     names = {"v": ("v1", "omega")[axis], "u1": f"limits.v_u1[{k}]", "u2": f"limits.v_u2[{k}]"}

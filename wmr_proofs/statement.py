@@ -98,8 +98,7 @@ def between(low: Number, value: Number, high: Number) -> tuple[Relation, Relatio
 
 def within(value: SX, bound: Number) -> tuple[Relation, ...]:
     """|value| <= bound, for each element of a column."""
-    most = SX(bound) * SX.ones(value.shape)
-    pairs = zip(vertsplit(value), vertsplit(most), strict=True)
+    pairs = zip(vertsplit(value), vertsplit(SX(bound) * SX.ones(value.shape)), strict=True)
     return tuple(side for x, end in pairs for side in (at_least(end, x), at_least(x, -end)))
 
 
@@ -184,8 +183,7 @@ def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> Pro
         if node.op == "input" and node.name in results:
             place.append(results[node.name])
             continue
-        args = tuple(place[k] for k in node.args)
-        nodes.append(ProvedNode(node.op, args, node.value, node.name))
+        nodes.append(ProvedNode(node.op, tuple(place[k] for k in node.args), node.value, node.name))
         place.append(len(nodes) - 1)
     return ProvedGraph(tuple(nodes), (*(place[k] for k in graph.outputs), *parts.bounds))
 
@@ -247,8 +245,7 @@ class Statement:
 def joined(parts: Mapping[str, Statement]) -> Statement:
     """All of these statements, by name, each about symbols of its own."""
     goals = [part.goals for part in parts.values()]
-    given = [part.given for part in parts.values()]
-    return Statement({}, goals, given, parts=parts)
+    return Statement({}, goals, [part.given for part in parts.values()], parts=parts)
 
 
 def own_name(name: str, part: str) -> str:
@@ -268,9 +265,8 @@ def _united(parts: Mapping[str, Statement]) -> ProvedGraph:
     for key, part in parts.items():
         start, graph = len(nodes), part.graph
         for node in graph.nodes:
-            args = tuple(start + k for k in node.args)
             name = own_name(node.name, key) if node.name else ""
-            nodes.append(ProvedNode(node.op, args, node.value, name))
+            nodes.append(ProvedNode(node.op, tuple(start + k for k in node.args), node.value, name))
         places = [start + k for k in graph.outputs]
         first = len(part.goal_kinds)
         second = first + len(listed(part.given))

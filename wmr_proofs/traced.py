@@ -67,8 +67,7 @@ def expression(number: float) -> SX:
 def _reckoned(apply: Callable[[Any, Any], Any], swapped: bool) -> Callable[[Traced, float], Traced]:
     def method(own: Traced, other: float) -> Traced:
         pair = (other, own) if swapped else (own, other)
-        value = apply(*map(float, pair))
-        return Traced(value, apply(*map(expression, pair)), own.trace)
+        return Traced(apply(*map(float, pair)), apply(*map(expression, pair)), own.trace)
 
     return method
 

@@ -52,8 +52,7 @@ def rises(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a, v, _, _, _ = barrier_axis()
-    rise = gradient(a.A, v)
-    return a.states(gradient(a.V, v) == a.A, rise >= mutation(1, 2))
+    return a.states(gradient(a.V, v) == a.A, gradient(a.A, v) >= mutation(1, 2))
 
 
 @claim("authority.lower-{name}", (9,), by=of_axis(table.low_points), over=AXES)
@@ -65,8 +64,7 @@ def low(mutation: Mutation) -> Statement:
     """
     a = BarrierAxis()
     t = a | symbols("rho low", "rho")
-    bound = mutation(t.low, 1.01 * t.low)
-    return Statement(t, (t.rho * a.V >= bound * a.A, a.A > 0), a.inside)
+    return Statement(t, (t.rho * a.V >= mutation(t.low, 1.01 * t.low) * a.A, a.A > 0), a.inside)
 
 
 @claim(
@@ -114,10 +112,9 @@ def rows_cover(mutation: Mutation) -> Statement:
     The table has no gap in v_c0.
     """
     t = symbols("c before first last")
-    begin = if_else(t.first, t.c, 0)
     end = if_else(t.last, t.c - table.LARGEST_TARGET * mutation(1, 1.01), 0)
     rise = if_else(t.first, 1, t.c - t.before)
-    return Statement(t, (begin == 0, end == 0, rise > 0))
+    return Statement(t, (if_else(t.first, t.c, 0) == 0, end == 0, rise > 0))
 
 
 @claim(

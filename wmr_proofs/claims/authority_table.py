@@ -170,8 +170,7 @@ def link_points(axis: int) -> list[Point]:
     for r, chain in zip(rows(axis), links(axis), strict=True):
         for k, (a, b) in enumerate(chain):
             place = {"first": float(k == 0), "last": float(k == len(chain) - 1)}
-            before = chain[k - 1][1] if k else 0.0
-            own = {"v": a, "b": b, "before": before, **place}
+            own = {"v": a, "b": b, "before": chain[k - 1][1] if k else 0.0, **place}
             points.append({**own, "c": r.c, **vars(n), "high": r.high})
     return points
 

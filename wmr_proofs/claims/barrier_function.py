@@ -44,8 +44,7 @@ def two_axes(mutation: Mutation) -> Statement:
     """
     one, two = BarrierAxis("1"), BarrierAxis("2")
     columns = [vertcat(x, y) for x, y in zip(one.all, two.all, strict=True)]
-    goal = total_barrier(*columns) == one.V + mutation * two.V
-    return one.states(goal, more=two)
+    return one.states(total_barrier(*columns) == one.V + mutation * two.V, more=two)
 
 
 @claim("eq20", (20,), by=Ring(all_cases()))
@@ -66,8 +65,7 @@ def minimum(mutation: Mutation) -> Statement:
     The target velocity is the best one that the limit allows, and there is no second best.
     """
     a, v, _, _, _ = barrier_axis()
-    least = mutation(mutation * 0.5 * a.w**2, 0.6 * a.w**2)
-    return a.states(a.cost(v) - a.cost(a.x) >= least)
+    return a.states(a.cost(v) - a.cost(a.x) >= mutation(mutation * 0.5 * a.w**2, 0.6 * a.w**2))
 
 
 @claim("eq17-18.slope", (10, 18), form=OURS, by=Both(Ring(all_cases()), Z3()))
@@ -139,8 +137,7 @@ def half_square(mutation: Mutation) -> Statement:
     """
     a, v, _, _, _ = barrier_axis()
     square = 0.5 * a.w**2
-    second = hessian(square, v)[0]
-    return a.states(gradient(square, v) == mutation * a.w, equal(second, 1))
+    return a.states(gradient(square, v) == mutation * a.w, equal(hessian(square, v)[0], 1))
 
 
 @claim("eq78", (78,), by=Ring(target_cases()))
@@ -346,9 +343,8 @@ def bounded_command(mutation: Mutation) -> Statement:
     names = {n: law[n] for n in ("gains.mb.rho[1]", "model.m", "model.I")}
     t = names | symbols("quotient q w cdot friction")
     rho, mass = names["gains.mb.rho[1]"], names["model.m"]
-    force = law.force[0] - t.friction
     P5 = between(0, t.quotient * t.w, t.w**2), t.w**2 >= t.quotient**2
     given = positive(rho, mass), between(0, t.q, 1), P5
     bound = mutation * rho * abs(t.w) + abs(t.cdot)
     inner = law.parts(0, "quotient q cdot friction")
-    return Statement(t, bound * mass >= abs(force), given, inner)
+    return Statement(t, bound * mass >= abs(law.force[0] - t.friction), given, inner)

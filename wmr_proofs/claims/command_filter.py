@@ -73,8 +73,7 @@ class FilterAxis(Named):
     def relaxing(self) -> Relations:
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
         e, E = self.e, self.E
-        ratio = self.kappa * (1 - e) == e
-        return e > 0, e < 1, between(e, E, 1), ratio
+        return e > 0, e < 1, between(e, E, 1), self.kappa * (1 - e) == e
 
 
 @claim("filter.drive")
@@ -87,8 +86,7 @@ def driven(mutation: Mutation) -> Statement:
     Given: {ANY_SIDE}.
     """
     a = FilterAxis()
-    inside = between(a.K_min, a.K, a.K_max)
-    given = admits(a.bounds), inside, a.dbar >= mutation(1, 0.9) * a.d
+    given = admits(a.bounds), between(a.K_min, a.K, a.K_max), a.dbar >= mutation(1, 0.9) * a.d
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
     least = ahead >= reached + a.d, back >= a.d - reached
@@ -164,8 +162,7 @@ def estimate(mutation: Mutation) -> Statement:
     v, w, mean, target, least, share, most = t.values()
     bounds = w >= v, target >= mean, least >= 0
     shares = between(mutation(1, 0.9) * least, share, most), most <= 1
-    end = governor.relaxed(w, target, most, least)
-    goal = end >= v + share * (mean - v)
+    goal = governor.relaxed(w, target, most, least) >= v + share * (mean - v)
     return Statement(t, goal, (bounds, shares))
 
 
@@ -218,9 +215,7 @@ class AssembledStep(Named):
         self.graph = Governor(load_scenario("paper-simulation", {**STATED, **BY_SIDE}))
         self.side, self.axis, self.way = side, axis, WAYS[side]
         self.free = symbols("v u E mean share kappa gone")
-        system = self.graph.system
-        ports = ports_of(system)
-        self.symbols = self.free | elements_of(*ports)
+        self.symbols = self.free | elements_of(*ports_of(self.graph.system))
         self.limit = self.graph.limits[side][axis]
         self.bounds = self.graph.channels[axis].sides[side]
         T, (low, high) = self.graph.T, self.graph.motions[side][axis].tau
@@ -279,8 +274,7 @@ def limits(mutation: Mutation) -> Statement:
             given.append(admits(b))
             goals.append(side[axis] >= mutation(0, b.V))
             goals.append(if_else(b.dbar < b.V, side[axis], 1) > 0)
-    table = elements_of(*ports_of(graph.system))
-    return Statement(table, goals, given, cuts)
+    return Statement(elements_of(*ports_of(graph.system)), goals, given, cuts)
 
 
 @claim("filter.sent", premises="filter.limits", each=SIDES)

@@ -3,9 +3,6 @@
 Of the smooth barrier: where it aims, that A is the slope of V1, how far A/w goes.
 """
 
-from collections.abc import Mapping
-from typing import Any
-
 from casadi import SX, fmax, gradient
 
 from wmr_ctrl.control.barrier import stable
@@ -15,7 +12,7 @@ from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Ring
 from wmr_proofs.paper_functions import smooth_f, smooth_lyapunov
-from wmr_proofs.regions import POSITIVE, Case
+from wmr_proofs.regions import POSITIVE, Case, Values
 from wmr_proofs.statement import Statement, equal, symbols
 
 from .common import CLOSED_FORM, BarrierAxis, barrier_axis
@@ -24,7 +21,7 @@ from .common import CLOSED_FORM, BarrierAxis, barrier_axis
 def _within(sign: int) -> Case:
     """0 < |y| < 0.05: y = n/(20 n + m)."""
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         return {"y": sign * n["n"] / (20 * n["n"] + n["m"])}
 
     label = "0 < y < 0.05" if sign > 0 else "-0.05 < y < 0"
@@ -125,8 +122,7 @@ def series_slope(mutation: Mutation) -> Statement:
     """
     t = symbols("y")
     y = t.y
-    chi = stable._chi(y, 1 - y)
-    slope = (1 / (1 - y) - 1) - gradient(y * chi, y)
+    slope = (1 / (1 - y) - 1) - gradient(y * stable._chi(y, 1 - y), y)
     bound = mutation(2.0**-51, 2.0**-56) * abs(y)
     return Statement(t, (bound >= slope, bound >= -slope))
 
@@ -219,6 +215,5 @@ def ratio(mutation: Mutation) -> Statement:
     """
     a, v, _, u1, _ = barrier_axis()
     found = _compiled(a)
-    m = fmax(abs(v), abs(found.v_c1))
-    top = (1 + mutation(1, 0.9) / (u1 - m) ** 2) * found.q
+    top = (1 + mutation(1, 0.9) / (u1 - fmax(abs(v), abs(found.v_c1))) ** 2) * found.q
     return a.states(found.q <= 1, top >= 1)

@@ -56,8 +56,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
     """
     a, _, c, u1, u2 = barrier_axis()
     t = a | symbols("cdot")
-    rate = target_rate(c, t.cdot, u1, u2)
-    return Statement(t, rate == mutation * gradient(a.x, c) * t.cdot)
+    return Statement(t, target_rate(c, t.cdot, u1, u2) == mutation * gradient(a.x, c) * t.cdot)
 
 
 @claim("reference.{kind}", by=POSITIVE_RATES, over=MOTIONS)
@@ -147,8 +146,7 @@ def friction(mutation: Mutation) -> Statement:
     free, taken = t.free, t.taken
     after = slowed(free, taken)
     slows = after * free >= 0, mutation * abs(free) >= abs(after)
-    less = fmax(abs(free) - abs(taken), 0)
-    goals = slows, less * (after - free + taken) == 0
+    goals = slows, fmax(abs(free) - abs(taken), 0) * (after - free + taken) == 0
     return Statement(t, goals, taken * free >= 0)
 
 
@@ -166,11 +164,9 @@ def lemma_piece(mutation: Mutation) -> Statement:
     """
     a, t = GuardAxis(), symbols("end drag push")
     v, end, edge = a.v, t.end, a.f_speed
-    above_edge = logic_or(v > edge, end > edge)
     sizes = a.mass >= a.M_min, a.t >= 0, within(t.push, a.dbar)
-    sides = (v - edge) * (end - edge) >= 0, when(above_edge, t.drag >= a.f_min)
-    moves = a.mass * (end - v) == a.t * (a.asked - t.drag + t.push)
-    given = a.sound(), sizes, sides, moves
+    sides = (v - edge) * (end - edge) >= 0, when(logic_or(v > edge, end > edge), t.drag >= a.f_min)
+    given = a.sound(), sizes, sides, a.mass * (end - v) == a.t * (a.asked - t.drag + t.push)
     most = fmax(v, edge) + mutation(1, 0.9) * a.t * push([a.asked], a.bounds, 1) / a.M_min
     return Statement(a | t, most >= fmax(end, edge), given)
 
@@ -218,8 +214,7 @@ def mean_piece(mutation: Mutation) -> Statement:
         for k, name in enumerate(("other", "sent")):
             gain = b.period * fmax(way * a[name] + a.net, 0) / b.M_min
             given.append(speeds[k] + gain >= speeds[k + 1])
-        reached = seen.reached(fmax(way * a.y + b.nbar, b.f_speed), b)
-        goals.append(reached >= speeds[2])
+        goals.append(seen.reached(fmax(way * a.y + b.nbar, b.f_speed), b) >= speeds[2])
     return Statement(a | t, goals, given)
 
 

@@ -52,8 +52,7 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     t, carried = s.inputs, s.free.carried
     plainly = carried_plainly(t.v, t.c, t.followed)
     after = mixture(plainly, t.target, s.shares)
-    near = [t.u2 >= way * after for way in (1, -1)]
-    given = carried == plainly, t.u2 < 1e100, near
+    given = carried == plainly, t.u2 < 1e100, [t.u2 >= way * after for way in (1, -1)]
     return s.states((s.end == mutation(after, after + carried),), given, ("carried",))
 
 
@@ -68,8 +67,7 @@ def mb(mutation: Mutation, smooth: bool) -> Statement:
     t = symbols("v c u1 u2", "u1 u2")
     v, c, u1, u2 = t.values()
     barrier = (smooth_barrier if smooth else stable_barrier)(c, v, u1, u2)
-    near = [mutation(1, 2) * u2 >= abs(item) for item in (v, c)]
-    given = u2 > 0, u1 > u2, u2 < 1e100, near
+    given = u2 > 0, u1 > u2, u2 < 1e100, [mutation(1, 2) * u2 >= abs(item) for item in (v, c)]
     goals = 2 * barrier.V1_over_A == v - c, barrier.q == 1
     return Statement(t, goals, given)
 
@@ -84,9 +82,8 @@ def kanayama(mutation: Mutation) -> Statement:
     """
     t = symbols("a b A B", "A B")
     values, most = vertcat(t.a, t.b), vertcat(t.A, t.B)
-    left = cut(values, most)
     inside = [mutation(1, 2) * most[i] >= abs(values[i]) for i in (0, 1)]
-    return Statement(t, every(left, values), (nonnegative(t.A, t.B), inside))
+    return Statement(t, every(cut(values, most), values), (nonnegative(t.A, t.B), inside))
 
 
 @claim("corridor.guard")
@@ -125,8 +122,7 @@ def wheels(mutation: Mutation, key: str) -> Statement:
     t = symbols("force moment r half tau", "r half tau")
     force = vertcat(t.force, t.moment)
     torque = force_to_wheel(t.r, t.half, force)
-    phi = full_thrust(t.r, t.tau)
-    mapped = MAPS[key](force, phi, t.half, SX.zeros(2))
+    mapped = MAPS[key](force, full_thrust(t.r, t.tau), t.half, SX.zeros(2))
     weak = [mutation(1, 2) * t.tau >= abs(torque[i]) for i in (0, 1)]
     return Statement(t, every(mapped, force), (positive(t.r, t.half, t.tau), weak))
 
@@ -143,9 +139,8 @@ def product(mutation: Mutation) -> Statement:
     a, b, P, Q, ratio = t.values()
     sums = (a + ratio * b, a - ratio * b)
     given = ratio > 0, abs(sums[0]) <= P, abs(sums[1]) <= Q
-    largest = fmax(P * P, Q * Q)
     size = mutation(4, 5) * ratio * abs(a * b)
-    return Statement(t, largest >= size, given)
+    return Statement(t, fmax(P * P, Q * Q) >= size, given)
 
 
 NOTHING = FirstOrder(*(SX(0) for _ in range(6)))
@@ -193,9 +188,8 @@ def dead_band(mutation: Mutation) -> Statement:
     goals, most = Group(), g.bound("dropped")
     for i in (0, 1):
         size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
-        beyond = abs(g.system.u[i]) > size
         goals.append(mutation(1, 0.9) * abs(most[i]) >= abs(off))
-        goals.append(if_else(beyond, abs(off), 0) <= 0)
+        goals.append(if_else(abs(g.system.u[i]) > size, abs(off), 0) <= 0)
     return g.states(goals, given=nonnegative(*vertsplit(g.column("base.deadband"))))
 
 
@@ -210,8 +204,7 @@ def wheel_speed(mutation: Mutation) -> Statement:
     g = EffectGraph(wheel_speed_limit.WHEEL_SPEED_LIMIT, {"base.w_max": 10.0})
     r, l, most = g["robot.r"], g["robot.l"], g["base.w_max"]
     speeds = (abs(g.system.u[0] + way * l * g.system.u[1]) for way in WAYS)
-    slow = [mutation(1, 2) * r * most >= speed for speed in speeds]
-    given = positive(r, l, most), slow
+    given = positive(r, l, most), [mutation(1, 2) * r * most >= speed for speed in speeds]
     return g.states(every(g.system.y, g.system.u), given=given)
 
 
@@ -294,8 +287,7 @@ def late_sums(mutation: Mutation) -> Statement:
     scale, size = t.period / t.M_min, mutation(1, 0.5) * t.N
     goals = Group()
     for way, side in ((1, sums.ahead), (-1, sums.back)):
-        worst = fmax(way * t.F1, way * t.F2)
-        most = t.t1 * (way * t.F1 + size) + t.t2 * (worst + size)
+        most = t.t1 * (way * t.F1 + size) + t.t2 * (fmax(way * t.F1, way * t.F2) + size)
         goals.append(scale * most >= side)
     largest = b.net <= t.N, abs(t.F1) <= t.N, abs(t.F2) <= t.N
     given = positive(t.M_min, t.period), nonnegative(t.t1, t.t2), largest
@@ -318,7 +310,6 @@ def overtaken(mutation: Mutation) -> Statement:
     acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
                          for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
     arrived = g["tau_right"]
-    before = if_else(t.phase <= 0, last, t.older)
     given = (
         h > 0, width == t.most * h, between(0, t.drawn, t.most),
         t.phase >= 0, t.steps >= 1, t.steps >= t.phase + 1,
@@ -326,7 +317,7 @@ def overtaken(mutation: Mutation) -> Statement:
         (acting - last) * (acting - mutation(t.older, t.older + 1)) == 0,
         when(logic_and(t.phase <= 0, due < t.steps), acting == last),
     )  # fmt: skip
-    one_of = (now - arrived) * (now - before) == 0
+    one_of = (now - arrived) * (now - if_else(t.phase <= 0, last, t.older)) == 0
     goals = one_of, waiting == arrived, when(t.phase >= wait, now == arrived)
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 

@@ -34,8 +34,7 @@ def _member(value: SX, name: str, u2: SX, b: SX) -> SX:
     """True if ``value`` lies in a signed region such as ``middle-``."""
     if name == "zero":
         return eq(value, 0)
-    size = -value if name.endswith("-") else value
-    return _inside(size, name[:-1], u2, b)
+    return _inside(-value if name.endswith("-") else value, name[:-1], u2, b)
 
 
 LISTS = (
@@ -127,6 +126,5 @@ def ordered(mutation: Mutation) -> Statement:
     i, j = t.values()
     more, less = i - j, i / (j - i)
     below = if_else(i < j, abs(j * less / (1 + less) - mutation * i), 0)
-    rest = if_else(i > j, abs(j + more - i), below)
     sign = if_else(i > j, more, if_else(i < j, less, 1))
-    return Statement(t, (rest == 0, sign > 0), positive(i, j))
+    return Statement(t, (if_else(i > j, abs(j + more - i), below) == 0, sign > 0), positive(i, j))

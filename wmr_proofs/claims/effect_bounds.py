@@ -35,7 +35,7 @@ from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Both, Ring
-from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case, at
+from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case, Cases, Values, at
 from wmr_proofs.statement import (
     UNIT,
     Cuts,
@@ -119,7 +119,7 @@ MISMADE = "tau sum |1/(1 + radius_i) - 1|/r", "l tau sum |(1 + track)/(1 + radiu
 ORDERS, PLACES = "<=>", ("least", "inside", "largest")
 
 
-def wheel_cases(axis: int, misread: bool) -> tuple[Case, ...]:
+def wheel_cases(axis: int, misread: bool) -> Cases:
     """Cases of a bound on other wheels: signs of absolute values, places of two clamped numbers.
 
     Misread speeds: c = mean 1/(1 + radius_i) for v1, or c (1 + track) for omega, below, at or above
@@ -140,7 +140,7 @@ def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
         sizes = "size", "size"
         numbers |= {"size": NONNEGATIVE, "motor.step": FREE}
 
-    def values(n: Mapping[str, Any]) -> Mapping[str, Any]:
+    def values(n: Values) -> Values:
         ratio = [{"<": 1 / (1 + n[k]), "=": 1, ">": 1 + n[k]}[o]
                  for k, o in zip(("n1", "n2"), orders, strict=True)]  # fmt: skip
         share = [{"least": -1, "inside": (1 - n[k]) / (1 + n[k]), "largest": 1}[place]
@@ -222,12 +222,11 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     numbers = {"encoder.counts": 64.0, **WHEELS}
     g, t = EffectGraph(encoder.ENCODER, numbers, "robot clock wheels limits"), symbols("v omega")
     turn = encoder.turned(g.scenario, g.parameters, t.v, t.omega)
-    shown = encoder.velocity_of(turn, g.parameters)[axis]
     limits = g.column("limits.v_u1")
     believed = g["robot.r"], g["robot.l"]
     counted = encoder.rounded_by(believed, g["encoder.counts"], g["clock.control"])[axis]
     most = g.bound("nbar")[axis] - counted
-    off = shown - (t.v if axis == 0 else t.omega)
+    off = encoder.velocity_of(turn, g.parameters)[axis] - (t.v if axis == 0 else t.omega)
     sizes = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control")
     inside = within(vertcat(*t.values()), limits), positive(limits[0], limits[1])
     given = sizes, _shares(g), inside
@@ -246,8 +245,7 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
 
     Given: {WHEELS_SIZES}.
     """
-    limited = {**WHEELS, "actuator.tau_max": 5.0}
-    g = EffectGraph(wheels.WHEELS, limited, "robot actuator motor")
+    g = EffectGraph(wheels.WHEELS, {**WHEELS, "actuator.tau_max": 5.0}, "robot actuator motor")
     told, most = vertcat(g["tau_right"], g["tau_left"]), g["actuator.tau_max"]
     believed = (g["robot.r"], g["robot.l"])
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
@@ -276,8 +274,7 @@ def held(mutation: Mutation) -> Statement:
     a, after = lag.equivalent_lag(h, growth), lag.followed(p, e, z)
     guarded = integral(z, p, (h, b * (1 - falls), a * (1 - rises)))
     end = moved(z, p, (falls, rises))
-    adds = guarded + s * end >= (mutation(1, 1.01) * h + s) * after
-    goals = adds, end >= after
+    goals = guarded + s * end >= (mutation(1, 1.01) * h + s) * after, end >= after
     given = (
         nonnegative(z, p), positive(h, growth), between(a, s, b),
         least * (1 + growth) == 1, between(0, rises, least), between(least, e, falls),
@@ -326,11 +323,9 @@ def lag_bound(mutation: Mutation) -> Statement:
     sizes = g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), spread < 1
     steps = [most * time * (1 - spread) >= h for most in (t.most_growth, 500)]
     given = sizes, steps, within(x, 1), t.growth > 0, t.most_growth >= t.growth
-    least = lag.equivalent_lag(h, t.growth)
     wanted = vertcat(g["tau_right"], g["tau_left"])
-    acting = g.column(lag.ACTING.name)
-    left = every(g.system.update, wanted + t.decay * (acting - wanted))
-    goals = mutation(1, 0.9) * slow >= tau, least >= fast, left
+    left = every(g.system.update, wanted + t.decay * (g.column(lag.ACTING.name) - wanted))
+    goals = mutation(1, 0.9) * slow >= tau, lag.equivalent_lag(h, t.growth) >= fast, left
     cuts = {"most_growth": expm1(h / (time * (1 - spread))), "decay": exp(-h / tau)}
     return g.states(goals, given=given, cuts=cuts, more=t)
 
@@ -347,10 +342,9 @@ def constant_lag(mutation: Mutation) -> Statement:
     g = EffectGraph(lag.LAG, {"actuator.lag": 0.02}, "clock")
     time = g["actuator.lag"]
     wanted = vertcat(g["tau_right"], g["tau_left"])
-    acting = g.column(lag.ACTING.name)
     t, cuts = symbols("decay"), {"decay": exp(-g["clock.plant"] / time)}
     both = [told == mutation * time for told in vertsplit(g.bound("lag"))]
-    goals = both, every(g.system.update, wanted + t.decay * (acting - wanted))
+    goals = both, every(g.system.update, wanted + t.decay * (g.column(lag.ACTING.name) - wanted))
     return g.states(goals, given=(time > 0, g["actuator.lag_spread"] == 0), cuts=cuts, more=t)
 
 
@@ -376,12 +370,11 @@ class Jittering(EffectGraph):
         self.free, h = symbols("steps most drawn phase"), self["clock.plant"]
         times = self["clock.control"], self["actuator.jitter"]
         steps, most = (jitter.whole(time / h) for time in times)
-        number = self[f"{jitter.NUMBERS.name}[1]"]
         late = self["actuator.delay"] + self["actuator.unmodelled_delay"]
         since = self["step"] - jitter.whole(late / h)
         self.cuts = {
             "steps": steps, "most": most, "phase": since - steps * floor(since / steps),
-            "drawn": floor((number + 1) / 2 * (most + 1)),
+            "drawn": floor((self[f"{jitter.NUMBERS.name}[1]"] + 1) / 2 * (most + 1)),
         }  # fmt: skip
 
 
@@ -402,10 +395,9 @@ def jitter_bound(mutation: Mutation) -> Statement:
     widths = h > 0, width == t.most * h, width >= 0, between(0, t.drawn, t.most)
     waits = t.most >= g[jitter.DUE.name], nonnegative(t.phase, t.steps)
     given = widths, waits
-    arrived = vertcat(g["tau_right"], g["tau_left"])
     acts = t.phase >= mutation(t.most, t.most - 1)
     told = [g.bound(name)[0] == width for name in ("delay", "jitter")]
-    goals = when(acts, every(now, arrived)), t.most >= wait, told
+    goals = when(acts, every(now, vertcat(g["tau_right"], g["tau_left"]))), t.most >= wait, told
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
@@ -422,8 +414,7 @@ def stepped(mutation: Mutation) -> Statement:
     x = told / step + 0.5
     number = floor(x)
     given = step > 0, x >= number, x - number < 1
-    most = motor.rounded_by(step) * mutation(1, 0.8)
-    lost = within(g.system.outputs[0].expr - told, most)
+    lost = within(g.system.outputs[0].expr - told, motor.rounded_by(step) * mutation(1, 0.8))
     return g.states(lost, given=given, cuts={"number": number})
 
 
@@ -484,8 +475,7 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
 
     limited = positive(t.u1, t.edge), within(t.v, t.u1), within(t.turn, t.edge)
     given = t.stall > 0, t.slowing >= 0, limited
-    end = both(mutation(t.u1, 0.9 * t.u1), t.edge)
-    return Statement(t, end >= both(t.v, t.turn), given)
+    return Statement(t, both(mutation(t.u1, 0.9 * t.u1), t.edge) >= both(t.v, t.turn), given)
 
 
 @drive_claim(
@@ -522,8 +512,7 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
     opposite = 1 if axis == 0 else -1
     for side in (1, -1):
         each = short(g["v1"], half * g["omega"], (side, side * opposite))
-        whole = short(*ends, (1, opposite))
-        given.append(at_least(sum(whole), sum(each)))
+        given.append(at_least(sum(short(*ends, (1, opposite))), sum(each)))
         for name, d, way in zip(t, each, (side, side * opposite), strict=True):
             lost = motor.rounded_by(step) + g["motor.dead_zone"] + fmin(d, most)
             given.append(lost >= way * t[name])
@@ -546,14 +535,12 @@ def world_slope(mutation: Mutation) -> Statement:
 
     Given: 0 < m <= guard.M_max, g > 0, sin(angle) >= 0; |sine|, |cosine| of the heading <= 1.
     """
-    numbers = {"slope.angle": 0.1, "guard.M_max": [60.0, 20.0]}
-    g = EffectGraph(slope.SLOPE, numbers, "robot guard")
+    g = EffectGraph(slope.SLOPE, {"slope.angle": 0.1, "guard.M_max": [60.0, 20.0]}, "robot guard")
     a = slope.turned(g["theta"], g["slope.direction"])
     along, across, sine = cos(a), sin(a), sin(g["slope.angle"])
     goals = within(g.system.y, mutation(1, 0.9) * g.bound("dbar"))
-    heaviest = g["guard.M_max[1]"] >= g["robot.m"]
     turns = sine >= 0, within(vertcat(along, across), 1)
-    given = g.above_zero("robot.m", "robot.g"), heaviest, turns
+    given = g.above_zero("robot.m", "robot.g"), g["guard.M_max[1]"] >= g["robot.m"], turns
     return g.states(goals, given=given, cuts={"along": along, "across": across, "sine": sine})
 
 
@@ -581,12 +568,10 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     load = resistance.load_of_wheel(g["robot.m"], g["robot.g"])
     rolling = (g["resistance.rolling[1]"], g["resistance.rolling[2]"])
     more = g.bound("dbar")[axis]
-    heaviest = g["guard.M_max[1]"] >= g["robot.m"]
     moves = right + left if axis == 0 else right - left
-    signs = nonnegative(*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves)
-    sizes = g.above_zero("robot.l", "robot.g", "robot.m"), heaviest
+    sizes = g.above_zero("robot.l", "robot.g", "robot.m"), g["guard.M_max[1]"] >= g["robot.m"]
     turns = (v, omega)[axis] >= 0, within(vertcat(right, left), 1)
-    given = signs, sizes, turns
+    given = nonnegative(*rolling, g[f"resistance.viscous[{axis + 1}]"], load, moves), sizes, turns
     goal = more * mutation(1, 0.9) >= g.system.y[axis]
     return g.states(goal, given=given, cuts={"right": right, "left": left})
 
@@ -602,8 +587,7 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
 
     Given: r, l > 0, std >= 0; |each normal number| <= n.
     """
-    numbers = {"disturbance.truncate": 5.0}
-    g = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, numbers, "robot")
+    g = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, {"disturbance.truncate": 5.0}, "robot")
     believed, most = (g["robot.r"], g["robot.l"]), g["disturbance.truncate"]
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
@@ -706,8 +690,7 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
     ways = within(t.way, u1 * window), within(h * missed, UNIT * u1 * lasts * window)
     given = g.above_zero("clock.plant", "sample"), u1 > 0, times, ways
     most = mutation(1, 0.4) * g.bound("nbar")[axis]
-    off = within(t.shown * window - t.way, most * window)
-    whole = g.states(off, given=given, more=t)
+    whole = g.states(within(t.shown * window - t.way, most * window), given=given, more=t)
     return replace(whole, computed={"shown": g.system.y[axis]})
 
 

@@ -89,9 +89,8 @@ def stays_on_target(_: Mutation) -> Statement:
     """
     a, v, c, u1, u2 = barrier_axis()
     t = a | symbols("rho cdot")
-    command = analysis.printed_command(t.rho, v, c, t.cdot, u1, u2)
     given = a.inside, v == c, u2 > abs(v), t.rho > 0
-    return Statement(t, command == t.cdot, given)
+    return Statement(t, analysis.printed_command(t.rho, v, c, t.cdot, u1, u2) == t.cdot, given)
 
 
 @claim("eq30.vector", (30,), by=Refute((at(V1=0, V2=1, rho1=15, rho2="288/5", rho=15),)))
@@ -120,8 +119,7 @@ def slower_rate(mutation: Mutation) -> Statement:
     t = column("V", 2) | column("rho", 2)
     least = mutation(fmin(t.rho1, t.rho2), fmax(t.rho1, t.rho2))
     rate = -t.rho1 * t.V1 - t.rho2 * t.V2
-    given = tuple(t[name] >= 0 for name in t)
-    return Statement(t, -least * (t.V1 + t.V2) >= rate, given)
+    return Statement(t, -least * (t.V1 + t.V2) >= rate, tuple(t[name] >= 0 for name in t))
 
 
 @claim("eq86.forgetting", (86,), form=OURS)
@@ -160,8 +158,7 @@ class Strict(Tracking):
     def near(self) -> Relations:
         """Paper gains, v1d = 0.2, v2d = 0.1, eps = 1/50; |e1|, |e2| <= 1, cos e3 >= 1/4."""
         inside = self.e1**2 <= 1, self.e2**2 <= 1
-        nearly = 4 * cos(self.e3) >= 1
-        return [a * self[name] == b for name, a, b in SETTING], inside, nearly
+        return [a * self[name] == b for name, a, b in SETTING], inside, 4 * cos(self.e3) >= 1
 
 
 def _undisturbed(t: Tracking) -> SX:
@@ -230,8 +227,7 @@ def exponential(mutation: Mutation) -> Statement:
     # W' <= -W/1000 from the two claims before it, W and W' being whatever they are.
     t = Strict()
     given = -mutation(1000, 2000) * t.W_rate >= t.size, t.size >= t.W
-    goal = 1000 * t.W_rate <= -t.W
-    return Statement(t, goal, given, {"value": t.W, "rate": t.W_rate})
+    return Statement(t, 1000 * t.W_rate <= -t.W, given, {"value": t.W, "rate": t.W_rate})
 
 
 @strict_claim("strict.region", (31,))
@@ -327,8 +323,7 @@ def level_invariant(mutation: Mutation) -> Statement:
     t = Tracking("x1 x2")
     e, k, x, p = t.e, t.k, vertcat(t.x1, t.x2), _undisturbed(t)
     pulls = e[0], sin(e[2])
-    pulled = [(x[i] - p[i]) * k[2 * i] * pulls[i] >= 0 for i in (0, 1)]
-    given = positive(*vertsplit(k)), pulled
+    given = positive(*vertsplit(k)), [(x[i] - p[i]) * k[2 * i] * pulls[i] >= 0 for i in (0, 1)]
     behind = if_else(cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
     rate = analysis.position_rate(e, x, t.v_d, k[1])
     return t.states(mutation * rate <= 0, behind >= 0, given=given)

@@ -219,8 +219,7 @@ class Assembled(Named):
         forces = [wheel_to_force(*self.wheels, self.torque), *self.forces]
         if late.varying:
             pieces = late.varying.entering
-            ends = [self._followed(pieces, forces, axis, b, k)[2] for k in (0, 1)]
-            return vertcat(*ends) - rest
+            return vertcat(*[self._followed(pieces, forces, axis, b, k)[2] for k in (0, 1)]) - rest
         assert late.tail is not None
         sure, mixed = late.tail.entering
         n, rows = late.commands, []
@@ -241,9 +240,8 @@ class Assembled(Named):
 
     @cached_property
     def _motion(self) -> LateMotion:
-        since = self.setup.guard.since_last(self.setup.scenario.clock)
         new = wheel_to_force(*self.wheels, self.torque)
-        return LateMotion(since, self.forces, new)
+        return LateMotion(self.setup.guard.since_last(self.setup.scenario.clock), self.forces, new)
 
     def least_pushes(self) -> Iterator[SX]:
         """The monitor's figure of each axis, once all that it counts was sent."""

@@ -63,8 +63,7 @@ class BandAxis(Named):
     def stated(self) -> Relations:
         """0 <= low <= high, and `faded`."""
         low, high = self.table.low, self.table.high
-        order = [between(0, low[i], high[i]) for i in range(self.size)]
-        return order, self.faded
+        return [between(0, low[i], high[i]) for i in range(self.size)], self.faded
 
     @property
     def faded(self) -> Relations:
@@ -136,8 +135,7 @@ class BandStep(BandAxis):
         last = [high[k] for k in range(own.numel() - 1, high.numel())]
         younger = [own[i] >= high[i] for i in range(own.numel() - 1)]
         younger += [own[-1] >= item for item in last]
-        steep = [item * (item - FLATTEST) >= 0 for item in over]
-        return super().stated, younger, steep
+        return super().stated, younger, [item * (item - FLATTEST) >= 0 for item in over]
 
     def most(self, held: bool) -> SX:
         """c'' for a constant command, c' if 0 follows."""
@@ -168,8 +166,7 @@ def least(mutation: Mutation) -> Statement:
     a = BandStep()
     lines = a.stopped
     cuts = {f"line {k}": lines[k] for k in range(lines.numel())}
-    largest = a.forecast.largest(a.c, a.table, a.inverse[1:])
-    most = mutation(1, 1.1) * largest
+    most = mutation(1, 1.1) * a.forecast.largest(a.c, a.table, a.inverse[1:])
     goals = (fmax(a.u + line, 0) >= most for line in cuts.values())
     return a.states(*goals, cuts=cuts)
 
@@ -277,9 +274,8 @@ def sent(mutation: Mutation, axis: int) -> Statement:
     """
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
-    ordered = tuple(most >= least for least, most in graph.ends)
     stops = nonnegative(*graph.stopping)
-    given = ordered, stops, graph.sound == 1
+    given = tuple(most >= least for least, most in graph.ends), stops, graph.sound == 1
     return Statement(named, (high >= u, u >= low), given, cuts)
 
 
@@ -296,9 +292,8 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
     graph, named, cuts = _whole(axis)
     u = mutation(1, 1.1) * graph.sent[axis]
     around = [nonnegative(high, -low) for low, high in graph.ends]
-    stops = nonnegative(*graph.stopping)
     goals = within(u, graph.stopping[axis]), u * graph.command[axis] >= 0
-    return Statement(named, goals, (around, stops), cuts)
+    return Statement(named, goals, (around, nonnegative(*graph.stopping)), cuts)
 
 
 @whole_claim("filter.band.beat")
@@ -332,8 +327,7 @@ def fading(mutation: Mutation) -> Statement:
     """
     s = symbols("reach past held u came rate time soonest r p g")
     came, x = s.came, s.rate * s.time
-    known = Fading(s.reach, s.past, s.held)
-    after = known.aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
+    after = Fading(s.reach, s.past, s.held).aged(came, s.u, stays_of(s.rate, s.time), s.soonest)
     stays = s.g * (1 + x + 0.5 * x * x) <= 1, s.soonest >= came * s.g
     signs = nonnegative(came * (came - 1), came * (1 - came), s.g, s.rate, s.time, s.r, s.p)
     given = stays, signs, s.soonest >= 0, s.reach >= s.r, s.past >= s.p

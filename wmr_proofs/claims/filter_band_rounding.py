@@ -26,9 +26,8 @@ def _sizes(a: BandAxis) -> Relations:
     s, c, numbers = a.symbols, a.c, range(a.size)
     columns = (s[f"{word}{i + 1}"] for word in ("over", "under") for i in numbers)
     sizes = *columns, s.past_over, s.past_under
-    high = [a.table.high[i] <= 5 for i in numbers]
     known = [within(item, 4 * c) for item in sizes]
-    return high, within(s.u, 2 * c), within(s.to, 2 * c), known
+    return [a.table.high[i] <= 5 for i in numbers], within(s.u, 2 * c), within(s.to, 2 * c), known
 
 
 @claim("filter.rounding.band-forecast", each=WAYS)
@@ -43,13 +42,11 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     """
     a = BandAxis()
     s, changed = a | symbols("e made"), a.forecast.changed(a.to, a.table)
-    known = bound_of(a.forecast, way)
-    bounded = way * s.u + known + s.e >= way * s.v, a.table.high[0] >= s.S
+    bounded = way * s.u + bound_of(a.forecast, way) + s.e >= way * s.v, a.table.high[0] >= s.S
     given = a.stated, _sizes(a), s.e >= 0, a.table.low[0] <= s.S, bounded
     past, made = (s.past_over, changed.over) if way > 0 else (s.past_under, changed.under)
     most = way * s.to + past + s.made + s.e + mutation(1, 2.0**-9) * STEP * s.c
-    goal = most >= way * (s.v + (s.to - s.u) * s.S)
-    return Statement(s, goal, given, computed={"made": made})
+    return Statement(s, most >= way * (s.v + (s.to - s.u) * s.S), given, computed={"made": made})
 
 
 @claim("filter.rounding.band-tail")
@@ -63,8 +60,7 @@ def tail(mutation: Mutation) -> Statement:
     a = BandAxis()
     s = a | symbols("f made")
     after = a.forecast.changed(s.to, a.table).later(a.table)
-    fades = s.fading >= (1 + mutation(1, 0) * 2.0**-41) * s.f
-    given = s.f > 0, fades, nonnegative(s.left, s.tail)
+    given = s.f > 0, s.fading >= (1 + mutation(1, 0) * 2.0**-41) * s.f, nonnegative(s.left, s.tail)
     stays = s.f * (s.tail + abs(s.to - s.u) * s.left)
     return Statement(s, s.made >= stays, given, computed={"made": after.tail})
 
@@ -108,8 +104,7 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
         slope <= 10, s.limit >= s.to if up else s.to >= s.limit,
         wider >= a.most(not stops) * (1 + mutation(1, -1) * WIDER),
     )  # fmt: skip
-    goal = left >= slope * change * (1 if up else -1)
-    return Statement(s, goal, given, computed={"limit": text})
+    return Statement(s, left >= slope * change * (1 if up else -1), given, computed={"limit": text})
 
 
 @claim("filter.rounding.band-beat")
@@ -132,8 +127,7 @@ def beat(mutation: Mutation) -> Statement:
         between(0, s.behind, T), s.p + s.e >= -s.before, s.behind + s.e >= s.p,
     )  # fmt: skip
     goals = p + most >= -s.made_before, s.made_behind + most >= p
-    computed = {"made_before": after[0], "made_behind": after[1]}
-    return Statement(s, goals, given, computed=computed)
+    return Statement(s, goals, given, computed={"made_before": after[0], "made_behind": after[1]})
 
 
 @claim("filter.rounding.band-stays")
@@ -172,8 +166,7 @@ def fading(mutation: Mutation) -> Statement:
     given = signs, s.reach >= s.r, s.past >= s.p, shares
     left = came * s.p + (1 - came) * s.r
     goals = s.made_reach >= s.r * s.g * (1 + 2.0**-42), s.made_past >= left * s.g
-    computed = {"made_reach": after.reach, "made_past": after.past}
-    return Statement(s, goals, given, computed=computed)
+    return Statement(s, goals, given, computed={"made_reach": after.reach, "made_past": after.past})
 
 
 @claim("filter.rounding.band-reached")
@@ -192,8 +185,7 @@ def reached(mutation: Mutation) -> Statement:
     after = Fading(reach, none, none).changed(change, furthest)
     listed = furthest >= reached * (1 + mutation(1, 0) * 2.0**-41)
     given = nonnegative(r, reached), reach >= r * (1 + 2.0**-42), listed
-    goal = made >= r + abs(change) * reached
-    return Statement(s, goal, given, computed={"made": after.reach})
+    return Statement(s, made >= r + abs(change) * reached, given, computed={"made": after.reach})
 
 
 @claim("filter.rounding.band-past", each=WAYS)
@@ -209,5 +201,4 @@ def past(mutation: Mutation, way: int) -> Statement:
     bounds = Fading(SX(0), s.past, s.held).bounds(s.c)
     v, most = way * (s.v - s.held), mutation(LEVEL, PAST + 2.0**-47) * s.c
     given = s.c > 0, within(s.held, 2 * s.c), s.past >= v, most >= way * s.v
-    goal = s.made >= v
-    return Statement(s, goal, given, computed={"made": bounds[0 if way > 0 else 1]})
+    return Statement(s, s.made >= v, given, computed={"made": bounds[0 if way > 0 else 1]})

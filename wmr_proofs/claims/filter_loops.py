@@ -107,8 +107,7 @@ def swings(mutation: Mutation) -> Statement:
     s = Swung()
     a, b = s.cuts.values()
     lines = s.lines(a, s.U, s.D), s.lines(b, s.D, s.U)
-    gain = between(s.least, s.P - s.Q, mutation(1, 1.5) * s.most)
-    given = s.given, lines, s.P + s.Q <= s.N, gain
+    given = s.given, lines, s.P + s.Q <= s.N, between(s.least, s.P - s.Q, mutation(1, 1.5) * s.most)
     return s.states(s.P * a + s.Q * b <= s.U, given=given, cuts=s.cuts)
 
 
@@ -192,8 +191,7 @@ def ramp_rim(mutation: Mutation) -> Statement:
     slower = l * t.turn_back >= t.grow, t.shrink >= l * t.turn
     kept = [within(x + way * l * y, t.W) for x, y in pairs for way in WAYS]
     given = l > 0, nonnegative(t.grow, t.turn), slower, kept
-    goals = [within(v + way * l * omega, t.W) for way in WAYS]
-    return Statement(t, goals, given)
+    return Statement(t, [within(v + way * l * omega, t.W) for way in WAYS], given)
 
 
 kick_claim = Claims()
@@ -235,8 +233,7 @@ def held_push(mutation: Mutation, axis: int) -> Statement:
     way = -fades[axis] * (g[f"base.gain[{axis + 1}]"] * asked + d[axis] - v[axis])
     weak = [most > side * g.system.y[i] for i in (0, 1) for side in (1, -1)]
     given = positive(m, inertia, r, l, v_s, h, *tau, *(-left for left in fades)), weak
-    cuts = {"left1": fades[0], "left2": fades[1]}
-    return g.states(goes == way, given=given, cuts=cuts, more=t)
+    return g.states(goes == way, given=given, cuts={"left1": fades[0], "left2": fades[1]}, more=t)
 
 
 class HeldStep:
@@ -344,9 +341,8 @@ class Command(Named):
         fixed = "gone_least gone_most V d K_max kick"
         self.symbols = t = symbols(f"start bound asked gone credit left {fixed}", fixed)
         self.push = held_loop.push_of_kick(mutation(1, 0.9) * t.kick, t.gone_least)
-        kappa = 1 / t.gone_most - 1
         unused, d = SX(0), t.d + self.push
-        limits = FirstOrder(t.V, d, unused, unused, t.K_max, kappa)
+        limits = FirstOrder(t.V, d, unused, unused, t.K_max, 1 / t.gone_most - 1)
         self.given: Relations = (
             positive(t.V, t.K_max, t.gone_least), between(0, t.left, t.credit),
             t.kick >= t.credit, t.d >= 0, d < t.V, t.gone_most <= 1,
@@ -378,13 +374,11 @@ def held_rim(mutation: Mutation) -> Statement:
     """
     t = Command(mutation)
     true, enough = t.reached(t.start, t.d, t.gone), t.gone >= t.gone_least
-    carried = t.reached(t.bound, t.d + t.push, t.gone)
-    seen = t.reached(fmin(t.start + t.kick, t.V), t.d + t.push, t.gone)
     goals = (
         true + t.credit <= t.V,
         true + if_else(enough, t.kick, 0) <= t.V,
-        if_else(enough, carried - (true + t.kick), 0) >= 0,
-        seen >= true + t.credit,
+        if_else(enough, t.reached(t.bound, t.d + t.push, t.gone) - (true + t.kick), 0) >= 0,
+        t.reached(fmin(t.start + t.kick, t.V), t.d + t.push, t.gone) >= true + t.credit,
     )
     return t.states(goals, given=t.given)
 

@@ -100,8 +100,7 @@ def target(mutation: Mutation) -> Statement:
     s, b = _numbers("u target")
     exact = drive(s.u, b)
     most = mutation(4, 0.5) * UNIT * (abs(exact - b.dbar) + b.dbar)
-    computed = {"target": exact}
-    return Statement(s, within(s.target - exact, most), sound(b), computed=computed)
+    return Statement(s, within(s.target - exact, most), sound(b), computed={"target": exact})
 
 
 @claim("filter.rounding.relaxed")
@@ -115,11 +114,9 @@ def carried_on(mutation: Mutation) -> Statement:
     """
     s = symbols("V w target share next", "V")
     V, way = s.V, s.share * (s.target - s.w)
-    made = relaxed(s.w, s.target, s.share, s.share)
     given = V > 0, between(0, s.share, 2), within(s.w, 2 * V), within(way, 8 * V)
-    most = mutation(1, 2.0**-6) * MARGIN * V
-    goals = within(s.next - (s.w + way), most)
-    return Statement(s, goals, given, computed={"next": made})
+    goals = within(s.next - (s.w + way), mutation(1, 2.0**-6) * MARGIN * V)
+    return Statement(s, goals, given, computed={"next": relaxed(s.w, s.target, s.share, s.share)})
 
 
 @claim(
@@ -193,8 +190,7 @@ def rim(mutation: Mutation) -> Statement:
     s, b = _numbers("v omega l target", "l")
     exact = drive(Channel((1, 1), s.l, (b,), (1.0, 1.0)).of((s.v, s.omega)), b)
     size = abs(s.v) + s.l * abs(s.omega)
-    most = mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar)
-    goals = within(s.target - exact, most)
+    goals = within(s.target - exact, mutation(8, 0.4) * UNIT * (b.K_max * size + b.dbar))
     return Statement(s, goals, (sound(b), s.l > 0), computed={"target": exact})
 
 
@@ -223,14 +219,12 @@ def rest(mutation: Mutation) -> Statement:
     for k, piece in enumerate(pieces):
         start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
         over, whole = -age >= end, -age <= start
-        part = logic_not(logic_or(over, whole))
         off = within(s.rest - (piece.end * T + age), spare)
-        goals += when(part, off)
+        goals += when(logic_not(logic_or(over, whole)), off)
         goals.append(when(over, spare >= piece.end * T + age))
         goals.append(when(whole, piece.start * T + age >= -spare))
     given = T > 0, between(0, age, LOOKED_BACK.age * T)
-    computed = ends | starts | {"rest": left.rest(age, pieces)}
-    return Statement(s, goals, given, computed=computed)
+    return Statement(s, goals, given, computed=ends | starts | {"rest": left.rest(age, pieces)})
 
 
 @claim("filter.rounding.odometry")
@@ -244,9 +238,8 @@ def odometry(mutation: Mutation) -> Statement:
     s, b = _numbers("v y sum")
     V, slack = b.V, SLACK * b.V
     given = V > 0, b.nbar >= 0, within(s.v, V + slack)
-    known = s.y + b.nbar >= s.v
     goal = fmin(s.sum, V) + mutation(1, -1) * slack >= s.v
-    return Statement(s, goal, (given, known), computed={"sum": s.y + b.nbar})
+    return Statement(s, goal, (given, s.y + b.nbar >= s.v), computed={"sum": s.y + b.nbar})
 
 
 @claim("filter.rounding.agrees")
@@ -284,9 +277,8 @@ def way(mutation: Mutation) -> Statement:
         within(s.w, 4 * s.V), within(s.m, 4 * s.V), _computed(s.least_as, s.least),
         _computed(s.most_as, s.most), s.m * t + (s.v - s.m) * s.A >= s.x,
     )  # fmt: skip
-    goal = s.far + mutation(1.25, 0.5) * slack * t >= s.x
     computed = {"far": farthest(s.w, s.m, t, s.least_as, s.most_as)}
-    return Statement(s, goal, given, computed=computed)
+    return Statement(s, s.far + mutation(1.25, 0.5) * slack * t >= s.x, given, computed=computed)
 
 
 class Line(Stop[SX]):
@@ -320,8 +312,7 @@ def line(mutation: Mutation) -> Statement:
     )  # fmt: skip
     exact = D - A + t.fading * t.q, A + t.fading * (1 - t.q)
     goals = within(t.s - exact[0], most), within(t.r - exact[1], most)
-    cuts = {"minus": expm1(-D / t.tau)}
-    return Statement(t, goals, given, cuts, computed={"s": s, "r": r})
+    return Statement(t, goals, given, {"minus": expm1(-D / t.tau)}, computed={"s": s, "r": r})
 
 
 @claim("filter.rounding.free.command")
@@ -480,8 +471,7 @@ def beside_cut(mutation: Mutation) -> Statement:
     made = stretched(a.asked, a.channels, *a.ends, "curvature")
     sent = vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
     known = a.kept(a.sent, BEYOND, axes=True), a.kept(a.sent, RIM / 2, axes=False)
-    spare = mutation(RIM, RIM / 2)
-    goals = a.kept(sent, 0, axes=True), a.kept(sent, spare, axes=False)
+    goals = a.kept(sent, 0, axes=True), a.kept(sent, mutation(RIM, RIM / 2), axes=False)
     return Statement(a, goals, (a.stated, known), a.computed(made))
 
 
@@ -508,8 +498,7 @@ def slew_limit(mutation: Mutation) -> Statement:
 def _slow(s: Symbols) -> Relations:
     """Hypothesis: previous and wanted command are within the limit, except for rounding."""
     hi = s.hi
-    wanted = within(s.wanted, hi * (1 + BEYOND))
-    return hi > 0, within(s.last, hi * (1 + OVER)), wanted
+    return hi > 0, within(s.last, hi * (1 + OVER)), within(s.wanted, hi * (1 + BEYOND))
 
 
 @command_claim("filter.rounding.slew-kept")
@@ -523,9 +512,8 @@ def slew_kept(mutation: Mutation) -> Statement:
     """
     s = symbols("hi last wanted share sent")
     shares = between(mutation(2.0**-22, 0.0), s.share, 1)
-    goals = within(s.sent, s.hi * (1 + OVER))
     computed = {"sent": moved(s.last, s.wanted, s.share)}
-    return Statement(s, goals, (_slow(s), shares), computed=computed)
+    return Statement(s, within(s.sent, s.hi * (1 + OVER)), (_slow(s), shares), computed=computed)
 
 
 @command_claim("filter.rounding.slew-step")

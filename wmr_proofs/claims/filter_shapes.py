@@ -4,7 +4,7 @@ Limits of wheels, in place of those of v and omega or beside them; every way to 
 jitter, commands that are lost or held.  Each entry is about all scales, sides or axes of its shape.
 """
 
-from collections.abc import Mapping
+from typing import TypeAlias
 
 from casadi import SX, expm1, fmax, logic_or, vertsplit
 
@@ -36,9 +36,11 @@ from .filter_loops import LINEAR, SLOW
 
 claim = Claims()
 CLIPPED = STATED | {"filter.kind": "clip"}
-WHEELED: dict[str, object] = {"filter.channels": "wheels", **ALIKE}
-BESIDE: dict[str, object] = {"filter.wheel_speed": 1.0, **ALIKE}
-SHAPES: tuple[dict[str, object], ...] = (
+Keys: TypeAlias = dict[str, object]
+"""Keys of a scenario."""
+WHEELED: Keys = {"filter.channels": "wheels", **ALIKE}
+BESIDE: Keys = {"filter.wheel_speed": 1.0, **ALIKE}
+SHAPES: tuple[Keys, ...] = (
     {"key": "axes", "more": {}, "limited": "v and omega, whose bounds differ, each by its own "
      "factor or one first",
      "scales": ("axes", "turn", "drive")},
@@ -53,7 +55,7 @@ One factor beside limits of wheels is in filter.rounding.beside.
 """
 
 
-def governor(more: Mapping[str, object]) -> Governor:
+def governor(more: Keys) -> Governor:
     """The governor of `command_filter` with other settings."""
     return Governor(load_scenario("paper-simulation", {**STATED, **more}))
 
@@ -63,7 +65,7 @@ def named_for(table: Symbols, scale: str) -> Symbols:
     return Symbols({f"{name} {scale}": symbol for name, symbol in table.items()})
 
 
-def _clip(stated: Mapping[str, object], scale: str) -> Clip:
+def _clip(stated: Keys, scale: str) -> Clip:
     told = {key: value for key, value in stated.items() if key != "filter.odometry"}
     return Clip(load_scenario("paper-simulation", told | {"filter.scale": scale}))
 
@@ -74,7 +76,7 @@ def _arms(channels: list[Channel]) -> Relations:
 
 
 @claim("filter.sent.{key}", premises="filter.limits", over=SHAPES)
-def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]) -> Statement:
+def sent(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statement:
     """of the command that the whole governor sends, each limited speed is at most the step's limit,
     either way, whatever both axes are asked for: {limited}.
 
@@ -86,8 +88,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
     goals, given = Group(), Group()
     for scale in scales:
         graph = governor({**more, "filter.scale": scale})
-        ports = ports_of(graph.system)
-        table |= named_for(elements_of(*ports), scale)
+        table |= named_for(elements_of(*ports_of(graph.system)), scale)
         limits = [
             (f"limit {side} {i} {scale}", limit)
             for side, own in enumerate(graph.limits)
@@ -104,7 +105,7 @@ def sent(mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
 
 
 @claim("filter.sent-clip.{key}", over=SHAPES)
-def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ...]) -> Statement:
+def sent_clip(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statement:
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the whole clip sends to
     first-order loops or linear ones: {limited}; where no wheel is limited, by one factor as well.
 
@@ -141,7 +142,7 @@ def sent_clip(mutation: Mutation, more: dict[str, object], scales: tuple[str, ..
         for scale in scales
     },
 )
-def clip_step(mutation: Mutation, more: dict[str, object], scale: str) -> Statement:
+def clip_step(mutation: Mutation, more: Keys, scale: str) -> Statement:
     """|w| <= V at a sample implies |E w + (1 - E) mean| <= V up to the next one, which is |w| <= V
     again, w each limited speed, whatever the whole clip is asked for: v and omega, both wheels, or
     all of these, in each way to scale but one factor beside wheels.
@@ -204,7 +205,7 @@ BANDS = (
 
 
 @claim("filter.band.sent.{key}", over=BANDS)
-def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> Statement:
+def band_sent(mutation: Mutation, shapes: tuple[Keys, ...]) -> Statement:
     """u_before - fall <= u <= u_before + rise and |u| <= the largest command behind which 0 may
     follow, u what the whole band sends on either axis; of loops: {loops}.
 
@@ -216,10 +217,8 @@ def band_sent(mutation: Mutation, shapes: tuple[Mapping[str, object], ...]) -> S
     table, cuts = Symbols(), Cuts()
     goals, given = Group(), Group()
     for number, stated in enumerate(shapes):
-        graph = BandGovernor(load_scenario("paper-simulation", dict(stated)))
-        system = graph.system
-        ports = elements_of(*ports_of(system))
-        table |= named_for(ports, str(number))
+        graph = BandGovernor(load_scenario("paper-simulation", stated))
+        table |= named_for(elements_of(*ports_of(graph.system)), str(number))
         cuts[f"sound {number}"] = graph.sound
         given.append(graph.sound == 1)
         for axis, (low, high) in enumerate(graph.ends):
@@ -249,7 +248,7 @@ WHEELS = (
         for side, way in enumerate(("forwards", "backwards"))
     },
 )
-def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) -> Statement:
+def rims(mutation: Mutation, more: Keys, side: int, wheel: int) -> Statement:
     """right and left, forwards and backwards: E w + (1 - E)(K u + d_v +- l d_omega) <= W behind
     every command u that the whole filter admits to the wheel, w = v +- l omega and W = {which} (1 -
     2^-26); {what}.
@@ -288,18 +287,16 @@ def rims(mutation: Mutation, more: Mapping[str, object], side: int, wheel: int) 
         given.append(when(came, known.sym[place] >= sign * w))
     given.append(graph.limits[side][place] >= f.u)
     mean = f.K * f.u + mutation(1, 1.1) * way * channel.of((f.d1, f.d2))
-    goal = f.E * way * w + (1 - f.E) * mean <= b.V
-    return Statement(f | elements_of(*ports), goal, given, cuts)
+    return Statement(f | elements_of(*ports), f.E * way * w + (1 - f.E) * mean <= b.V, given, cuts)
 
 
 def _timely(graph: Governor) -> SX:
     """1 if a sample came when the filter expects one, within its jitter."""
     elapsed, T = graph.elapsed.sym, graph.T
-    near = abs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T
-    return logic_or(elapsed == 0, near)
+    return logic_or(elapsed == 0, abs(elapsed - T) <= (graph.plans[0].jitter + NEAR) * T)
 
 
-TIMES: tuple[dict[str, object], ...] = (
+TIMES: tuple[Keys, ...] = (
     {"key": "jitter", "more": {"filter.jitter": 0.005}, "H": "3 T/2, for a jitter of T/2"},
     {"key": "losses", "more": {"filter.losses": 2}, "H": "3 T, for two commands lost in a row"},
     {"key": "hold", "more": {"filter.hold": 0.05},
@@ -308,7 +305,7 @@ TIMES: tuple[dict[str, object], ...] = (
 
 
 @claim("filter.assembled.{key}", premises="filter.sent", over=TIMES)
-def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
+def assembled(mutation: Mutation, more: Keys) -> Statement:
     """either axis, either way: E v + (1 - E) mean <= V behind every command u that the whole filter
     admits, mean at most what u or, once the base has stopped, pushes alone lead to; H = {H}.
 
@@ -319,8 +316,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
     tau_max; {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit.
     """
     graph = governor(more)
-    ports = ports_of(graph.system)
-    table, cuts = elements_of(*ports), Cuts()
+    table, cuts = elements_of(*ports_of(graph.system)), Cuts()
     T, goals, given = graph.T, Group(), list[Relations]([graph.T > 0])
     seen = graph.age.sym >= -NEAR * T
     for axis, motion in enumerate(graph.motions[0]):
@@ -338,8 +334,7 @@ def assembled(mutation: Mutation, more: Mapping[str, object]) -> Statement:
             own = symbols(f"u{axis}{side} mean{axis}{side} E{axis}{side}")
             u, mean, E = own.values()
             table |= own
-            known = graph.known[side].sym[axis]
-            given += [when(graph.punctual, known >= way * v)]
+            given += [when(graph.punctual, graph.known[side].sym[axis] >= way * v)]
             given += [between(1 + gone, E, 1), graph.limits[side][axis] >= u]
             given.append(fmax(drive(u, b), mutation(1, 9) * b.dbar) >= mean)
             goals.append(E * way * v + (1 - E) * mean <= b.V)

@@ -71,9 +71,8 @@ def inside(mutation: Mutation) -> Statement:
     Given: {LOWERED}; v_bar <= V, u <= hi, mean <= drive(u).
     """
     a = Lowered(Mutation(1))
-    below = mutation(1, 0.99) * a.v_bar <= a.V
     goals = a.end <= a.V, a.hi >= 0
-    return a.states(goals, given=(a.given, below, a.hi >= a.u))
+    return a.states(goals, given=(a.given, mutation(1, 0.99) * a.v_bar <= a.V, a.hi >= a.u))
 
 
 @claim("filter.limits.no-larger")
@@ -112,11 +111,10 @@ def way(mutation: Mutation) -> Statement:
     Given: 0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A.
     """
     t = symbols("t A A_least A_most v w m x")
-    ends = between(0, t.A_least, mutation(1, 1.01) * t.A)
     rest = between(t.A, t.A_most, t.t), t.w >= t.v
     gone = t.m * t.t + (t.v - t.m) * t.A >= t.x
     goal = farthest(t.w, t.m, t.t, t.A_least, t.A_most) >= t.x
-    return Statement(t, goal, (ends, rest, gone))
+    return Statement(t, goal, (between(0, t.A_least, mutation(1, 1.01) * t.A), rest, gone))
 
 
 class Plan(Named):
@@ -126,8 +124,7 @@ class Plan(Named):
     """
 
     def __init__(self) -> None:
-        names = "tau_1 tau_2 push rest acts last free w way m"
-        self.symbols = t = symbols(names)
+        self.symbols = t = symbols("tau_1 tau_2 push rest acts last free w way m")
         self.stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, t.acts, t.last, SX(0))
         fades = [covered(t.acts + t.last, tau) for tau in (t.tau_1, t.tau_2)]
         self.A, self.fading = fades, self.stop.fading
@@ -163,9 +160,8 @@ def plan(mutation: Mutation) -> Statement:
     Given: tau_min <= tau_max, 0 <= d <= w; m <= steady(free), the largest steady speed.
     """
     a = Plan()
-    admitted = a.most(mutation) >= a.m
     goals = [a.free >= a.needed(k, a.m) for k in (0, 1)]
-    return a.states(goals, given=(a.given, admitted))
+    return a.states(goals, given=(a.given, a.most(mutation) >= a.m))
 
 
 @claim("filter.free.real")
@@ -230,8 +226,7 @@ def roll(mutation: Mutation) -> Statement:
     Given: 0 <= d, v_3 <= 0, A(B; tau_min) <= a_B <= B; x_3 <= d B + (v_3 - d) a_B.
     """
     t, stop, given = _leaving(mutation)
-    cuts = {"minus_A_least": -stop.quick}
-    return Statement(t, stop.roll >= t.x_3, (given, -t.v_3 >= 0), cuts)
+    return Statement(t, stop.roll >= t.x_3, (given, -t.v_3 >= 0), {"minus_A_least": -stop.quick})
 
 
 @claim("filter.free.retreat")
@@ -317,11 +312,9 @@ def falling(mutation: Mutation) -> Statement:
     """
     names = "M_min M_max dbar f_min f_speed nbar alpha brake M T v v_1 V_0 V_1"
     t = symbols(names)
-    own = {key: t[key] for key in names.split()[:8]}
-    b = Bounds(u1=t.V_1, period=t.T, **own)
+    b = Bounds(u1=t.V_1, period=t.T, **{key: t[key] for key in names.split()[:8]})
     fall = largest_fall(b, [t.V_0, t.V_0], [t.V_1, t.V_1])
-    braking = fmin(b.brake, b.cap)
-    reached = fmax(t.V_1, t.v - t.T * fmax(braking - b.net, 0) / t.M)
+    reached = fmax(t.V_1, t.v - t.T * fmax(fmin(b.brake, b.cap) - b.net, 0) / t.M)
     given = (
         positive(t.M_min, t.T, t.alpha), between(t.M_min, t.M, t.M_max), t.v <= t.V_0,
         between(0, b.net, b.brake), t.f_speed <= t.V_1,

@@ -10,7 +10,6 @@ because V1/A falls to 0 there like the square root of the distance to the limit,
 altered claims have the gradient law v' = -(rho/2) A + d/M in place of (9): they are refuted.
 """
 
-from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -21,7 +20,7 @@ from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import regions
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Point, Ring, Table
-from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case
+from wmr_proofs.regions import NONNEGATIVE, POSITIVE, Case, Values
 from wmr_proofs.statement import Cuts, Group, Statement, positive, symbols
 
 from .authority_table import AXES, Numbers
@@ -48,12 +47,11 @@ def smaller_slope(a: BarrierAxis) -> SX:
 def near_limit(sign: int) -> Case:
     """v_c0 = sign m; 1/g = 3 + 2 b B + e; rho M/D = e/((8 b + B)(1 + i)), up to what v* allows."""
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         u2, b, B = n["u2"], n["b"], n["u2"] + n["b"] + n["m"]
         k = n["e"] / (reach(b, B) * (1 + n["i"]))
         v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
-        rho = k * n["D"] / n["M"]
-        put = {"u1": u2 + b, "u2": u2, "c": sign * n["m"], "v": v, "rho": rho}
+        put = {"u1": u2 + b, "u2": u2, "c": sign * n["m"], "v": v, "rho": k * n["D"] / n["M"]}
         return put | {name: n[name] for name in ("M", "D")}
 
     numbers = dict.fromkeys(("u2", "b", "e", "D", "M"), POSITIVE)
@@ -64,12 +62,11 @@ def near_limit(sign: int) -> Case:
 def charted(target: str) -> Case:
     """Region near the limit with v_c0 in one of its regions, for any rho M/D."""
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         u2, b = n["u2"], n["b"]
         c = regions.target_value(target, u2, b, n.get("j", 0))
         B = u2 + b + (-c if target.endswith("-") else c)
-        v = u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2
-        return {"u1": u2 + b, "u2": u2, "c": c, "v": v}
+        return {"u1": u2 + b, "u2": u2, "c": c, "v": u2 + b - b / (3 + 2 * b * B + n["e"]) ** 2}
 
     names = ("u2", "b", "e", *(("j",) if target[:-1] in regions.CHARTED else ()))
     return Case(f"v_c0 {target}, v >= v*", dict.fromkeys(names, POSITIVE), values)
@@ -124,8 +121,7 @@ def ceiling_smooth(mutation: Mutation) -> Statement:
     # For v > v_u2, as compiled; (v - v_c1)/q is the slope.
     a, v, c, u1, u2 = barrier_axis()
     found = smooth_barrier(c, v, u1, u2)
-    slope = found.w == mutation * found.q * smaller_slope(a)
-    return a.states(a.cost(v) >= found.V1, slope)
+    return a.states(a.cost(v) >= found.V1, found.w == mutation * found.q * smaller_slope(a))
 
 
 @claim(
@@ -146,8 +142,7 @@ def fades(mutation: Mutation) -> Statement:
     a, v, c, u1, u2 = barrier_axis()
     t = symbols("rho M D", "rho M")
     A = smaller_slope(a)
-    pull = mutation(a.cost(v), 0.5 * A**2)
-    goals = A > 0, t.rho * t.M * pull <= 0.5 * t.D * A
+    goals = A > 0, t.rho * t.M * mutation(a.cost(v), 0.5 * A**2) <= 0.5 * t.D * A
     given = u1 > v, v >= level(c, u1, u2, t.rho * t.M / t.D)
     return a.states(goals, given=given, more=t)
 
@@ -221,8 +216,7 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
         rho = law[f"gains.mb.rho[{axis + 1}]"]
         cuts |= {f"{name}{axis + 1}": part for name, part in law.parts(axis, INNER).items()}
         cuts[f"friction{axis + 1}"] = friction[axis]
-        nominal = acceleration(mass[axis], law.force[axis], friction[axis])
-        rate = mutation(nominal, -0.5 * rho * A)
+        rate = mutation(acceleration(mass[axis], law.force[axis], friction[axis]), -0.5 * rho * A)
         goals.append(rate + D / mass[axis] >= 0.5 * D / mass[axis])
         # A (V1/A) = V1 <= J, and what gain.fades says of J; v_c0 held.
         given += [A > 0, A * quotient <= J, rho * mass[axis] * J <= 0.5 * D * A]
@@ -248,5 +242,4 @@ def levels(mutation: Mutation) -> Statement:
     """
     # v* of a disturbance that is held back at v lies beyond v; low = D/M.
     t = symbols("v c u1 u2 rho low", "u1 u2 rho")
-    star = level(t.c, t.u1, t.u2, t.rho / t.low)
-    return Statement(t, mutation * (star - t.v) > 0)
+    return Statement(t, mutation * (level(t.c, t.u1, t.u2, t.rho / t.low) - t.v) > 0)

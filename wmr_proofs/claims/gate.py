@@ -3,8 +3,6 @@
 Times and ramps are the defaults of `GateSettings`; any numbers come in.
 """
 
-from collections.abc import Mapping
-
 from casadi import SX, fmax, fmin, if_else, substitute, vertcat, vertsplit
 
 from wmr_ctrl.control.filter import gate
@@ -18,7 +16,7 @@ from wmr_proofs.statement import Cuts, Group, Relations, Statement, Symbols, exc
 
 from .command_filter import STATED as OF_GOVERNOR
 from .common import elements_of, named_ports, ports_of
-from .filter_shapes import SHAPES, named_for
+from .filter_shapes import SHAPES, Keys, named_for
 
 STATED = {
     "filter.kind": "clip", "filter.gain": OF_GOVERNOR["filter.gain"], "filter.d": [0.05, 0.05],
@@ -72,8 +70,7 @@ class GateStep:
         """|sent_i| <= max(|last_i| - fall_i t, 0) for both axes."""
         last = self[gate.LAST]
         step = [mutation(1, 1.1) * SETTINGS.fall[i] * self.gone for i in AXES]
-        tops = [fmax(abs(last[i]) - step[i], 0) for i in AXES]
-        return self.timed, self.below(tops)
+        return self.timed, self.below([fmax(abs(last[i]) - step[i], 0) for i in AXES])
 
 
 @claim("gate.inside")
@@ -124,9 +121,8 @@ def latched(mutation: Mutation) -> Statement:
     Given: {SOUND}; {GONE}; latched > 0, reset <= 0.
     """
     g = GateStep()
-    after = g.system.update[-3]
     given = g.sound, g[gate.LATCHED] > 0, -g[gate.RESET] >= 0
-    return Statement(g.symbols, (g.falling(mutation), after == 1), given)
+    return Statement(g.symbols, (g.falling(mutation), g.system.update[-3] == 1), given)
 
 
 @claim("gate.rise")
@@ -139,15 +135,12 @@ def rise(mutation: Mutation) -> Statement:
     """
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.gone for i in AXES]
-    most = [abs(g[gate.LAST][i]) + step[i] for i in AXES]
-    goals = g.timed, g.below(most)
+    goals = g.timed, g.below([abs(g[gate.LAST][i]) + step[i] for i in AXES])
     return Statement(g.symbols, goals, g.sound, {f"goal{i}": g.goal[i] for i in AXES})
 
 
 @claim("gate.inside.{key}", over=SHAPES)
-def inside_shapes(
-    mutation: Mutation, more: Mapping[str, object], scales: tuple[str, ...]
-) -> Statement:
+def inside_shapes(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statement:
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the gate sends: {limited}.
 
     The gate sends what the clip could have sent, whichever speeds that limits.
@@ -160,8 +153,7 @@ def inside_shapes(
     for scale in scales:
         scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})
         (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
-        ports = ports_of(system)
-        table |= named_for(elements_of(*ports), scale)
+        table |= named_for(elements_of(*ports_of(system)), scale)
         sent = SX.sym("sent", 2)
         speeds = [channel.of(sent) for channel in clip.channels]
         own = named_ports(*clip.p.ports), named_ports(*system.params)
@@ -186,8 +178,7 @@ class BehindGovernor:
         system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
         self.governor = own = Governor(scenario)
         self.ports = ports_of(system)
-        inner = ports_of(own.system)
-        both = named_ports(*inner), named_ports(*self.ports)
+        both = named_ports(*ports_of(own.system)), named_ports(*self.ports)
         limits = vertcat(*(vertcat(*side) for side in own.limits))
         self.limits, self.sent = exchanged(limits, *both), system.outputs[0].expr
 

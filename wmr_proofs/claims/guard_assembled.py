@@ -83,10 +83,9 @@ def simulated(mutation: Mutation) -> Statement:
     push = wheel_to_force(r, half, tau) + vertcat(t.thrust, t.moment)
     after = rk4_step(robot, t.step)[3:5]
     friction = mu * m * g
-    driven = t.v1 + t.step * fmax(push[0], 0) / m
     slow = t.step * (abs(push[0]) + mutation(2, -1) * friction) / m
     turned = after[1] == t.omega + t.step * push[1] / inertia
-    goals = fmax(driven, slow) >= after[0], turned
+    goals = fmax(t.v1 + t.step * fmax(push[0], 0) / m, slow) >= after[0], turned
     given = positive(m, inertia, r, half, g, v_s, t.step), mu >= 0
     return Statement(t, goals, given, {"thrust in all": push[0], "moment in all": push[1]})
 
@@ -109,9 +108,8 @@ def not_blamed(mutation: Mutation) -> Statement:
     y, before = new + t.e_new, t.old + t.e_old
     errors = [b.nbar >= side * t[name] for side in (1, -1) for name in ("e_new", "e_old")]
     ahead = (fmin(way * y, way * before) > b.nbar, t.drag >= 0)
-    least = least_push(y, before, a.asked, b)
     given = a.feasible(), a.during(), errors, ahead
-    return Statement(a | t, fmax(t.push, 0) >= least, given)
+    return Statement(a | t, fmax(t.push, 0) >= least_push(y, before, a.asked, b), given)
 
 
 @claim("guard.monitor-quiet")
@@ -124,10 +122,9 @@ def quiet(mutation: Mutation) -> Statement:
     """
     a = GuardAxis()
     b, old = a.bounds, SX.sym("old")
-    least = least_push(a.y, old, a.asked, b)
     same = fmax(fmin(a.y, old), -fmax(a.y, old)) - mutation(0, 1)
     given = positive(b.period, b.M_min), b.nbar >= 0, b.nbar >= same
-    return Statement(a | {"old": old}, least == 0, given)
+    return Statement(a | {"old": old}, least_push(a.y, old, a.asked, b) == 0, given)
 
 
 @claim("guard.monitor-sharp")
@@ -143,10 +140,9 @@ def sharp(mutation: Mutation) -> Statement:
     b, t = a.bounds, symbols("old push way")
     way = if_else(t.way > 0, 1, -1)
     y = t.old + b.period * (a.asked + way * t.push) / b.M_min
-    least = least_push(y, t.old, a.asked, b)
     exact = (b.nbar == 0, b.M_max == b.M_min, positive(b.M_min, b.period))
     ahead = (fmin(way * y, way * t.old) > 0, t.push >= 0)
-    return Statement(a | t, least == mutation * t.push, (exact, ahead))
+    return Statement(a | t, least_push(y, t.old, a.asked, b) == mutation * t.push, (exact, ahead))
 
 
 SINCE = Since(
@@ -175,8 +171,7 @@ def late(mutation: Mutation) -> Statement:
     goals, given = Group(), Group()
     given += positive(b.M_min, b.period), nonnegative(b.nbar, D)
     for axis, name in enumerate("FN"):
-        least = motion.least_push(axis, a.y, old, b)
-        goals.append(mutation(1, 1.01) * least <= D)
+        goals.append(mutation(1, 1.01) * motion.least_push(axis, a.y, old, b) <= D)
         for way in (1, -1):
             newer, older = (fmax(way * t[f"{name}{j}"], 0) for j in (1, 2))
             either = fmax(newer, older)
@@ -217,6 +212,16 @@ class MappedWheels(Named):
         sides = positive(self.half, self.phi, self.r)
         return sides, self.within(self.pair("force")), self.reached(self.safe)
 
+    @property
+    def torque(self) -> SX:
+        """Torques of the force."""
+        return force_to_wheel(self.r, self.half, self.pair("force"))
+
+    @property
+    def largest(self) -> SX:
+        """Size of the larger torque."""
+        return fmax(abs(self.torque[0]), abs(self.torque[1]))
+
     def mapped(self, name: str, safe: SX) -> SX:
         """Output of a map for the force."""
         return MAPS[name](self.pair("force"), self.phi, self.half, safe)
@@ -234,11 +239,8 @@ def torques(mutation: Mutation) -> Statement:
     Given: r, l > 0.
     """
     w = MappedWheels()
-    t = w.symbols
-    torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = fmax(abs(torque[0]), abs(torque[1]))
-    size = abs(t.force1) + mutation * abs(t.force2) / t.half
-    return Statement(t, largest == t.r / 2 * size, positive(t.half, t.r))
+    size = abs(w.force1) + mutation * abs(w.force2) / w.half
+    return Statement(w, w.largest == w.r / 2 * size, positive(w.half, w.r))
 
 
 @map_claim("wheels.necessary")
@@ -253,12 +255,10 @@ def necessary(mutation: Mutation) -> Statement:
     # At v = (u1, u1) a safe force has F + dbar1 <= 0 and N + dbar2 <= 0: some torque is larger.
     w = MappedWheels()
     t = w | symbols("dbar1 dbar2")
-    torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    largest = fmax(abs(torque[0]), abs(torque[1]))
     tight = t.dbar1 + t.dbar2 / t.half > mutation(1, 0.99) * t.phi
     held = [-t[f"force{i}"] >= t[f"dbar{i}"] for i in (1, 2)]
     signs = nonnegative(t.dbar1, t.dbar2), positive(t.half, t.r)
-    return Statement(t, largest > t.phi * t.r / 2, (signs, held, tight))
+    return Statement(t, w.largest > t.phi * t.r / 2, (signs, held, tight))
 
 
 @map_claim("wheels.{name}", over=tuple({"name": name} for name in MAPS))
@@ -283,8 +283,6 @@ def clip_per_wheel(mutation: Mutation) -> Statement:
     Given: {BOX}.
     """
     w = MappedWheels()
-    t = w.symbols
-    most = t.phi * t.r / 2
-    torque = force_to_wheel(t.r, t.half, w.pair("force"))
-    found = wheel_to_force(t.r, t.half, fmax(-most, fmin(most, torque)))
-    return Statement(t, w.within(mutation * found), w.given)
+    most = w.phi * w.r / 2
+    found = wheel_to_force(w.r, w.half, fmax(-most, fmin(most, w.torque)))
+    return Statement(w, w.within(mutation * found), w.given)

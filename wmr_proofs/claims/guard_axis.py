@@ -71,8 +71,7 @@ class GuardAxis(Named):
         """Push of the last command if the new one comes as late as possible."""
         if self.lateness == LAGGING:
             return InFlight(self.again_ahead, self.again_back)
-        pair = vertcat(self.sent, self.other)
-        return in_flight([(pair, self.J / self.period)], 0, self.bounds)
+        return in_flight([(vertcat(self.sent, self.other), self.J / self.period)], 0, self.bounds)
 
     @property
     def coming(self) -> InFlight | None:
@@ -89,8 +88,7 @@ class GuardAxis(Named):
         if self.lateness == LAGGING:
             now, after = ((self[f"{z}_ahead"], self[f"{z}_back"]) for z in ("z", "after"))
             felt = Lagging(now, after if self.varies else now, self.rise, self.rise_late)
-        again = self.again if self.varies else None
-        return InFlight(self.ahead, self.back, rest, again, felt)
+        return InFlight(self.ahead, self.back, rest, self.again if self.varies else None, felt)
 
     @property
     def largest(self) -> SX:
@@ -208,8 +206,7 @@ class GuardAxis(Named):
         if self.lateness < LATE:
             left = more * (b.u1 - b.f_speed) - self.ahead - self.back
             return b.M_min * b.alpha * left >= need
-        most = fmax(fmax(*rooms), rooms[0] + rooms[1])
-        return more * b.M_min * b.alpha * most >= need
+        return more * b.M_min * b.alpha * fmax(fmax(*rooms), rooms[0] + rooms[1]) >= need
 
     def can_brake(self, more: float = 1) -> Relations:
         """Condition for a safe force to exist; a factor above 1 relaxes it."""
@@ -241,8 +238,7 @@ class GuardAxis(Named):
         masses = between(b.M_min, mass, b.M_max)
         if self.lateness < LATE:
             return between(0, t, b.period), masses
-        end = longer * (b.period + self.J) - since >= t
-        return between(0, since, self.J), t >= 0, end, masses
+        return between(0, since, self.J), t >= 0, longer * (b.period + self.J) - since >= t, masses
 
     def reached(self, way: int) -> SX:
         """v+ when the new command may first take over; ``v`` is measured, or its mean."""
@@ -262,8 +258,7 @@ class GuardAxis(Named):
         """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
         if self.lateness < LATE:
             return self.arrived if self.lateness else way * self.v
-        push = fmax(way * self.sent + self.net + more, 0)
-        return self.arrived + self.since * push / self.mass
+        return self.arrived + self.since * fmax(way * self.sent + self.net + more, 0) / self.mass
 
     def then(self, way: int, more: Number = 0) -> SX:
         """Comparison bound of v+ t after the new command has taken over."""

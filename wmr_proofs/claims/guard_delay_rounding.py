@@ -112,8 +112,7 @@ def queue(mutation: Mutation, way: int, axis: int) -> Statement:
     grown = 1 + q.grown + mutation(3, -9) * UNIT
     before = (1 + q.grown) * q[name] + q.off >= q.exact
     given = q.known("front", "rear", "off", "lost"), before
-    goal = grown * q.ahead + off >= exact
-    return Statement(q, goal, given, q.before, computed=computed)
+    return Statement(q, grown * q.ahead + off >= exact, given, q.before, computed=computed)
 
 
 @claim("guard.delay.rounding.both", each=BOTH_AXES)
@@ -133,9 +132,8 @@ def both(mutation: Mutation, axis: int) -> Statement:
     sizes = [q.most >= size for size in (abs(q.net), force, -force)]
     before = (1 + q.grown) * q.counted >= q.front + q.rear
     given = q.known("front", "rear", "counted"), sizes, before
-    computed = {"ahead": whole.ahead, "back": whole.back}
     goal = grown * most >= q.ahead + q.back
-    return Statement(q, goal, given, q.before, computed=computed)
+    return Statement(q, goal, given, q.before, computed={"ahead": whole.ahead, "back": whole.back})
 
 
 @claim("guard.delay.rounding.scaled")
@@ -272,8 +270,7 @@ def brakes(mutation: Mutation) -> Statement:
     least = abs(a.net) + mutation(5, 5.1) * a.held_back * a.reach
     share = (a.brakes + a.net) * (1 + a.waits)
     goals = a.brakes >= least, a.aim + a.over >= share
-    computed = {"brakes": a.aimed.braking}
-    return Statement(a, goals, (a.stated, a.met), computed=computed)
+    return Statement(a, goals, (a.stated, a.met), computed={"brakes": a.aimed.braking})
 
 
 @claim("guard.delay.rounding.largest", aim="{AIM}")
@@ -393,8 +390,7 @@ def force(mutation: Mutation, way: int) -> Statement:
     if way > 0:
         given += [a.arrives(way), a.brakes >= a.net + 2 * a.held_back * a.reach]
     else:
-        left = a.leaves(mutation * a.brakes)
-        given += [a.bounded, a.arrives(way), a.safe(way, a["lo"]), left]
+        given += [a.bounded, a.arrives(way), a.safe(way, a["lo"]), a.leaves(mutation * a.brakes)]
     goal, text = a.safe(way, a.hat), a.text(a.asked, b)
     return Statement(a, goal, given, cuts, computed=text)
 

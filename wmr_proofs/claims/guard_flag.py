@@ -127,9 +127,8 @@ def reach(mutation: Mutation, n: int) -> Statement:
         given += [most == size(b), exact == b.braking]
     off = 2 * share * (free.size1 + free.size2 / half)
     braked = free.exact1 + free.exact2 / half
-    goal = e.phi * (1 + 8 * NEAR) + mutation * off >= braked
     computed = {"flag": e.told["feasible"], "first": e.both[0].braking, "second": e.both[1].braking}
-    return e.computes(computed, free, goal, given)
+    return e.computes(computed, free, e.phi * (1 + 8 * NEAR) + mutation * off >= braked, given)
 
 
 watched_claim = Claims()
@@ -200,8 +199,7 @@ def kept(mutation: Mutation) -> Statement:
     for n in range(1, 6):
         guarded = setup("linear-first", n)
         p = Parameters(guarded)
-        late = guarded.guard.lateness(guarded.scenario.clock)
-        both = bounds_of(p, late, guarded.scenario.limits)
+        both = bounds_of(p, guarded.guard.lateness(guarded.scenario.clock), guarded.scenario.limits)
         table |= {f"{name} {n}": symbol for name, symbol in scalars(p.ports).items()}
         for axis, b in enumerate(map(both.axis, (0, 1))):
             u1 = p.take("limits.v_u1")[axis]

@@ -49,11 +49,10 @@ def varying_moved(mutation: Mutation) -> Statement:
     t = symbols("z p more_z more_p falls rises between")
     z, p, more_z, more_p, falls, rises, e = t.values()
     first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
-    rises_with = mutation(1, 0.99) * second >= first
     lies = between(p + e * (z - p), first, fmax(z, p)), first >= fmin(z, p)
     sizes = nonnegative(z, p), more_z >= z, more_p >= p
     given = sizes, between(0, rises, e), between(e, falls, 1)
-    return Statement(t, (rises_with, lies), given)
+    return Statement(t, (mutation(1, 0.99) * second >= first, lies), given)
 
 
 @claim("guard.varying.integral")
@@ -68,8 +67,7 @@ def varying_integral(mutation: Mutation) -> Statement:
     z, p, time, a, b, falls, rises = t.values()
     weights = (time, b * (1 - falls), a * (1 - rises))
     whole = b * moved(z, p, (falls, rises)) + integral(z, p, weights)
-    goal = whole == b * z + waiting(z, p, time, (b - mutation * a) * (1 - rises))
-    return Statement(t, goal)
+    return Statement(t, whole == b * z + waiting(z, p, time, (b - mutation * a) * (1 - rises)))
 
 
 @claim("guard.varying.piece")
@@ -142,14 +140,13 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
     z, after, again = a.lasts(1)
     lag, J = a.slow, a.J
     least = mutation(1, 1.01) * fmin(_core(a, 1, room, most), most / b.alpha)
-    goal = b.M_min * a.sums.left(room, b) >= least
     given = (
         between(0, z, most), between(0, after, most), nonnegative(again),
         positive(most), (lag + J) * most >= lag * z + again + a.rise * (most - after),
         lag * most >= lag * z + a.rise_late * (most - z), exponentials(a),
         positive(b.M_min, b.alpha, *([J] * a.varies)),
     )  # fmt: skip
-    return Statement(a, goal, given)
+    return Statement(a, b.M_min * a.sums.left(room, b) >= least, given)
 
 
 @claim("guard.{at}room", premises="guard.{at}left guard.{at}spare", over=LAGS)
@@ -167,8 +164,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     lines = [b.M_min * room >= fmin(core, a.most / b.alpha) for room, core in pairs]
     needed = larger(*cores) >= need, a.most >= need * b.alpha
     given = lines, needed, positive(b.M_min, b.alpha)
-    goal = b.M_min * larger(*rooms) >= mutation(1, 1.01) * need
-    return Statement(a | t, goal, given)
+    return Statement(a | t, b.M_min * larger(*rooms) >= mutation(1, 1.01) * need, given)
 
 
 @claim("guard.{at}counts", over=LAGS)
@@ -234,7 +230,6 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
     start = a.arrived + D * a.late / b.M_min
     goals = [limit >= if_else(p > 0, start + more / b.M_min, b.u1) for more in (early, late)]
-    lines = a.lines(way, a("room_", way), b.u1 - a.arrived)
     known = a.stated, exponentials(a), D >= 0, a.withstands(D)
-    given = known, lines, nonnegative(z, after, again)
+    given = known, a.lines(way, a("room_", way), b.u1 - a.arrived), nonnegative(z, after, again)
     return Statement(a, goals, given, a.rooms)

@@ -175,12 +175,11 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
     a = RoundedAxis(precision=precision)
     b = mutation(a.aimed, a.bounds)
-    cuts = {"lo": floor(a.y, b)}
     known = () if way > 0 else (a.safe(way, a["lo"]),)
     given = a.stated, a.measured, a.inside, known
     goal = a.safe(way, a.hat)
     computed = a.text(a.asked, b)
-    return Statement(a, goal, given, cuts, computed=computed, unit=precision.unit)
+    return Statement(a, goal, given, {"lo": floor(a.y, b)}, computed=computed, unit=precision.unit)
 
 
 @claim("guard.{name}.size", over=PRECISIONS)
@@ -195,8 +194,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     a = RoundedAxis(precision=precision)
     most = (a.reach + fmax(-a.net, 0)) * (1 + mutation(a.precision.quicker, -0.01))
     goals = most >= a.hat, most >= -a.hat
-    computed = a.text(a.asked)
-    return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
+    return Statement(a, goals, a.stated, computed=a.text(a.asked), unit=precision.unit)
 
 
 @claim("guard.{name}.anchor", over=PRECISIONS)
@@ -277,8 +275,7 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     b, lost = a.bounds, mutation(1, 2) * a.on_wheels
     goals, given = [], [a.stated, a.inside, a.during()]
     for way in (1, -1):
-        fastest = fmax(way * a.v, b.f_speed)
-        end = fastest + a.t * fmax(way * a.hat + a.net, 0) / a.mass
+        end = fmax(way * a.v, b.f_speed) + a.t * fmax(way * a.hat + a.net, 0) / a.mass
         goals.append(b.u1 >= end)
         asked, safe = way * a.asked, way * a.most
         given.append(fmax(asked, safe) + lost >= way * a.hat)

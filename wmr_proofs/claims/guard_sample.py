@@ -92,8 +92,7 @@ def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
     Given: {inside}; {acts}.
     """
-    given = a.kept(way, mutation(1, 1.01))
-    return Statement(a, a.u1 >= a.then(way), given, a.rooms)
+    return Statement(a, a.u1 >= a.then(way), a.kept(way, mutation(1, 1.01)), a.rooms)
 
 
 @claim("guard.{at}outside", premises="{counts}", over=on(*ALL, back=True))
@@ -108,8 +107,7 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     b = a.bounds
     needed = fmin(b.braking - a.net, mutation(1, 1.01) * b.M_max * a.beyond(way) / b.period)
     goals = -a.push(way) >= 0, -a.push(way) >= needed
-    cuts = a.rooms if a.lateness == LAGGING else a.cuts
-    return Statement(a, goals, a.outside(way), cuts)
+    return Statement(a, goals, a.outside(way), a.rooms if a.lateness == LAGGING else a.cuts)
 
 
 @claim("guard.{at}{only}return", over=on("", "delay.", "late.steady.", back=True))
@@ -140,8 +138,7 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
     """
     a = GuardAxis()
     fallen = a.f_speed + a.t * fmax(a.net - way * a.force(a.asked), 0) / a.mass
-    limit = mutation(a.u1, 0.99 * a.u1)
-    return Statement(a, limit >= fallen, (a.feasible(), a.during()))
+    return Statement(a, mutation(a.u1, 0.99 * a.u1) >= fallen, (a.feasible(), a.during()))
 
 
 @claim("guard.{at}graceful", over=on("", "delay.", back=True))
@@ -154,9 +151,8 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """
     b, D = a.bounds, a.extra
     limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
-    seen = a.seen(way, D * a.late / b.M_min, a.during())
     begins = D >= 0, a.withstands(D), limit >= a.start(way)
-    given = a.stated, seen, begins, a.ordered(way)
+    given = a.stated, a.seen(way, D * a.late / b.M_min, a.during()), begins, a.ordered(way)
     return Statement(a, limit >= a.then(way, D), given, a.cuts)
 
 
@@ -179,8 +175,7 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     known = a.sound(), a.capped, a.during(), a.arrived >= b.f_speed
     begins = D >= 0, a.withstands(D), limit >= over
     given = known, a.lines(way, left, -free), begins
-    cuts = {**a.cuts, "room": a.left[0 if way > 0 else 1]}
-    return Statement(a, limit >= end, given, cuts)
+    return Statement(a, limit >= end, given, {**a.cuts, "room": a.left[0 if way > 0 else 1]})
 
 
 @claim("guard.{at}left", over=on("late."))

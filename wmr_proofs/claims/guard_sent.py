@@ -79,10 +79,8 @@ def command(mutation: Mutation, place: int) -> Statement:
     most = mutation(1, 0.99) * time * a.S / b.M_min
     goals = [most >= one.ahead + one.back]
     for way, coming in ((1, one.ahead), (-1, one.back)):
-        start = fmax(way * a.v, b.f_speed)
-        seen = fmax(way * a.y + b.nbar, b.f_speed)
-        reached = start + a.since * fmax(way * a.sent + a.net, 0) / a.mass
-        goals.append(seen + coming >= reached)
+        reached = fmax(way * a.v, b.f_speed) + a.since * fmax(way * a.sent + a.net, 0) / a.mass
+        goals.append(fmax(way * a.y + b.nbar, b.f_speed) + coming >= reached)
     sent = (a.largest >= a.sent, a.largest >= -a.sent)
     during = (between(0, a.since, time), a.periods >= 0)
     return Statement(a, goals, (a.stated, a.measured, a.during(), sent, during))
@@ -210,9 +208,8 @@ def late_spare(mutation: Mutation) -> Statement:
     Given: {COUNTED}; {CAPS}.
     """
     a = GuardAxis(LATE)
-    goal = _spared(a, *spares(a), mutation(1, 1.01))
     given = a.stated, a.moving, a.shared(), a.apart(), added(a)
-    return Statement(a, goal, given, a.cuts)
+    return Statement(a, _spared(a, *spares(a), mutation(1, 1.01)), given, a.cuts)
 
 
 @claim("guard.late.room", premises="guard.late.spare")
@@ -230,9 +227,8 @@ def late_room(mutation: Mutation) -> Statement:
     signs = positive(b.M_min, b.alpha, b.period, a.J), a.capped
     sums = nonnegative(t.again_ahead, t.again_back), again
     given = signs, sums, _spared(a, t.spare_ahead, t.spare_back)
-    cuts = {**a.cuts, **dict(zip(t, spared, strict=True))}
     goal = a.enough(a.left, mutation(1, 0.99))
-    return Statement(a | t, goal, given, cuts)
+    return Statement(a | t, goal, given, {**a.cuts, **dict(zip(t, spared, strict=True))})
 
 
 @claim(
@@ -372,8 +368,7 @@ def longer(_: Mutation) -> Statement:
     a = GuardAxis(DELAYED)
     b = a.bounds
     reached = fmax(a.v, b.f_speed) + a.since * fmax(a.sent + a.net, 0) / a.mass
-    force = clipped(a.asked, a.y, b, only(a))
-    end = a.arrived + a.t * fmax(force + a.net, 0) / a.mass
+    end = a.arrived + a.t * fmax(clipped(a.asked, a.y, b, only(a)) + a.net, 0) / a.mass
     time = 1.01 * a.periods * a.period
     given = (
         a.sound(), a.capped, a.measured, a.during(), nonnegative(a.since, a.periods),
@@ -395,6 +390,5 @@ def uncapped(_: Mutation) -> Statement:
     b = a.bounds
     most = b.M_min * b.alpha * (b.u1 - b.f_speed) - a.net
     sent = (most >= a.sent, most >= -a.sent)
-    whole = a.delay >= a.periods * a.period
     goal = ceiling(a.y, b, only(a)) >= floor(a.y, b, only(a))
-    return Statement(a, goal, (a.feasible(), sent, whole, a.periods >= 0))
+    return Statement(a, goal, (a.feasible(), sent, a.delay >= a.periods * a.period, a.periods >= 0))

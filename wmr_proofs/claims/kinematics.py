@@ -130,10 +130,9 @@ def eq04_plant(mutation: Mutation) -> Statement:
     v = vertcat(t.v1, t.omega)
     tau = vertcat(t.tau_right + t.noise_right, t.tau_left + mutation * t.noise_left)
     inertial = dynamics.reduced_mass(m, inertia) * system.update[3:5]
-    left = inertial + friction(mu, m, g, v_s, v)
     force = dynamics.wheel_to_force(r, l, tau) + vertcat(t.thrust, t.moment)
     moves = every(system.update[0:3], velocity_map(t.theta) @ v)
-    return Statement(t, (every(left, force), moves))
+    return Statement(t, (every(inertial + friction(mu, m, g, v_s, v), force), moves))
 
 
 @claim("eq04.wheels", (4,), form=OURS, by=Ring(DECLARED))

@@ -37,17 +37,15 @@ def x_rate(m: Moving) -> SX:
 def at_target(m: Moving) -> SX:
     """[sgn(v_c1) v_c1'/(v_u1 - |v_c1|) where |v_c1| > v_u2], of Eqs. (23), (24)."""
     _, _, u1, u2 = m.all
-    term = barrier.sign(m.x) * x_rate(m) / (u1 - abs(m.x))
-    return if_else(barrier.h(m.x, u2), term, 0)
+    return if_else(barrier.h(m.x, u2), barrier.sign(m.x) * x_rate(m) / (u1 - abs(m.x)), 0)
 
 
 def two_axes() -> tuple[Moving, Moving, SX]:
     """Both axes, and V1' of them together."""
     m, n = Moving("1"), Moving("2")
     columns = [vertcat(x, y) for x, y in zip(m.all, n.all, strict=True)]
-    point = vertcat(*m.all[:2], *n.all[:2])
     rates = vertcat(*m.rates.values(), *n.rates.values())
-    return m, n, jtimes(total_barrier(*columns), point, rates)
+    return m, n, jtimes(total_barrier(*columns), vertcat(*m.all[:2], *n.all[:2]), rates)
 
 
 OPEN35, PAIRS = Ring(regions.open_cases()), Ring(regions.paired_cases(), spare=12)
@@ -267,8 +265,7 @@ def quotient_at_kink(mutation: Mutation) -> Statement:
     v, c, u1, u2 = m.all
     t = m | symbols("rho h")
     command = (-t.rho * m.V + mutation * m.w * t.cdot) / m.A
-    later = barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2)
-    change = (later - m.V) / t.h
+    change = (barrier.lyapunov(v + t.h * command, c + t.h * t.cdot, u1, u2) - m.V) / t.h
     given = m.inside, v == u2, t.h > 0, 1000000 * t.h <= 1, t.rho > 0
     del t["vdot"]
     return Statement(t, abs(change + t.rho * m.V) <= 1, given)

@@ -3,7 +3,6 @@
 Inner quantities of the law are free; charts of these are given.
 """
 
-from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -15,7 +14,7 @@ from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Refute, Ring
-from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, at, axis_case
+from wmr_proofs.regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case, Values, at, axis_case
 from wmr_proofs.statement import Named, Statement, column, equal, every, stacked, symbols
 
 from .common import LawGraph, barrier_axis, named_axes
@@ -73,17 +72,17 @@ def network_axis(axis: int) -> NetworkAxis:
     return NetworkAxis(axis)
 
 
-def free_chart(n: Mapping[str, Any]) -> dict[str, Any]:
+def free_chart(n: Values) -> Values:
     """V1/A and q from A, V1 and w."""
     return {"quotient": n["V"] / n["A"], "q": n["w"] / n["A"], **{k: n[k] for k in ("A", "V", "w")}}
 
 
-def vanishing_chart(n: Mapping[str, Any]) -> dict[str, Any]:
+def vanishing_chart(n: Values) -> Values:
     """A = 0, which happens only with V1 = 0 and w = 0; the compiled quotients are then limits."""
     return {**dict.fromkeys(("A", "V", "w"), 0 * n["quotient"]), **n}
 
 
-def residual_chart(n: Mapping[str, Any]) -> dict[str, Any]:
+def residual_chart(n: Values) -> Values:
     """F1 chosen such that eps2 = w - n with a free n; V1 = w^2/2 + p, W* = W^ - E."""
     w = n["y"]
     value, nodes = w**2 / 2 + n["p"], range(1, NODES + 1)
@@ -96,7 +95,7 @@ def residual_chart(n: Mapping[str, Any]) -> dict[str, Any]:
     return {**found, **best, **weights, **{name: n[name] for name in kept}}
 
 
-def decay_chart(n: Mapping[str, Any]) -> dict[str, Any]:
+def decay_chart(n: Values) -> Values:
     """Both rates of (86) exceed rho2: rho1 = 1 + M (rho2 + a), sigma Gamma = rho2 + b."""
     gains = {"Gamma": n["gamma"], "rho1": 1 + n["mass"] * (n["rho2"] + n["a"])}
     gains["sigma"] = (n["rho2"] + n["b"]) / n["gamma"]

@@ -48,8 +48,7 @@ class Carried:
         x, x_next = (resolvent(c, SX(1), *limits, smooth) for c in (t.c, t.c_next))
         ahead = x_next + (v - x)
         level = form(t.c, if_else(abs(v) < t.u1, v, 0), *limits).V1
-        reached = if_else(abs(ahead) < t.u1, ahead, 0)
-        excess = form(t.c_next, reached, *limits).D
+        excess = form(t.c_next, if_else(abs(ahead) < t.u1, ahead, 0), *limits).D
         share = level_share(v - x, level, excess)
         self.cuts = {"x": x, "x_next": x_next, "level": level, "excess": excess, "share": share}
         self.end = transported(v, t.c, t.c_next, limits, smooth)
@@ -62,8 +61,7 @@ class Carried:
         t = self.inputs | self.free
         u1, share = t.u1, t.share
         inside = [u1 > way * t[x] for way in (1, -1) for x in ("x", "x_next")]
-        held = when(eq(t.c, t.c_next), t.x == t.x_next)
-        known = t.u2 > 0, u1 > t.u2, inside, held, share >= 0
+        known = t.u2 > 0, u1 > t.u2, inside, when(eq(t.c, t.c_next), t.x == t.x_next), share >= 0
         return Statement(t, goals, (known, share <= 1, given), self.cuts)
 
 
@@ -82,9 +80,8 @@ def transport_share(mutation: Mutation) -> Statement:
     w, level, excess = t.values()
     theta = level_share(w, level, excess)
     spent = 0.5 * (theta * w) ** 2 + theta * excess
-    room = mutation(level, 0.9 * level)
     given = level >= 0.5 * w**2, excess >= 0
-    return Statement(t, (between(0, theta, 1), room >= spent), given)
+    return Statement(t, (between(0, theta, 1), mutation(level, 0.9 * level) >= spent), given)
 
 
 @transport_claim(
@@ -116,10 +113,9 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     least = cost(x_next, c) >= cost(x, c) + 0.5 * shift**2
     given = inside, least, cost(x, c_next) >= cost(x_next, c_next) + 0.5 * shift**2
     rise = form(v, c_next, u1, u2) - form(v, c, u1, u2)
-    nearer = logic_and(w * shift > 0, abs(shift) <= abs(w))
     most = -w * step + 0.5 * mutation(step**2, -(step**2))
     sides = between(-w * step + 0.5 * shift**2, rise, -w * step + step * shift - 0.5 * shift**2)
-    goals = sides, most >= rise, when(nearer, rise <= 0)
+    goals = sides, most >= rise, when(logic_and(w * shift > 0, abs(shift) <= abs(w)), rise <= 0)
     return Statement(t | symbols("x x_next"), goals, given, {"x": x, "x_next": x_next})
 
 
@@ -143,17 +139,15 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     w, shift, left = v - x, x_next - x, g.end - x_next
     within = abs(v) < t.u1
     reaches = logic_and(within, abs(x_next + w) < t.u1)
-    on_chord = logic_and(reaches, eq(left, share * w))
     nearer = logic_and(w * shift > 0, abs(shift) <= abs(w))
-    stays = logic_and(within, eq(g.end, v))
     held = eq(t.c, t.c_next)
     spent = 0.5 * (share * w) ** 2 + share * t.excess
     given = (
         when(reaches, t.level >= spent),
         when(within, t.level >= 0.5 * w**2),
-        when(on_chord, spent >= after),
+        when(logic_and(reaches, eq(left, share * w)), spent >= after),
         when(eq(left, 0), after == 0),
-        when(logic_and(stays, logic_or(nearer, held)), t.level >= after),
+        when(logic_and(logic_and(within, eq(g.end, v)), logic_or(nearer, held)), t.level >= after),
     )
     lost = mutation(t.level, 0.9 * t.level) >= after
     return g.states((when(within, lost), w**2 >= left**2), given)
@@ -245,10 +239,8 @@ def optimal(mutation: Mutation, smooth: bool) -> Statement:
     rest = s * (c - mutation * x)
     beyond = (rest - k * _slope(size, t, smooth)) * (u1 - size)
     jump = SX(0) if smooth else k / (u1 - u2)
-    at_kink = fmin(jump - rest, 0)
-    miss = if_else(size > u2, beyond, if_else(size < u2, rest, at_kink))
-    inside = u1 > size
-    return Statement(t, (miss == 0, nonnegative(rest, s * x), inside), _target(t))
+    miss = if_else(size > u2, beyond, if_else(size < u2, rest, fmin(jump - rest, 0)))
+    return Statement(t, (miss == 0, nonnegative(rest, s * x), u1 > size), _target(t))
 
 
 @map_claim("prox.monotone", (14, 15), each=EITHER_BARRIER)
@@ -265,8 +257,7 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
     for x, kink in ((x1, k1), (x2, k2)):
         size, s = abs(x), if_else(x >= 0, 1, -1)
         jump = SX(0) if smooth else kink
-        steep = if_else(size > u2, _slope(size, t, smooth), if_else(size < u2, 0, jump))
-        slopes.append(s * steep)
+        slopes.append(s * if_else(size > u2, _slope(size, t, smooth), if_else(size < u2, 0, jump)))
     rises = mutation * (slopes[0] - slopes[1]) * (x1 - x2)
     sizes = [u1 > way * t[x] for way in (1, -1) for x in ("x1", "x2")]
     kinks = [part for k in (k1, k2) for part in (k >= 0, k * (u1 - u2) <= 1)]
@@ -284,8 +275,7 @@ def not_expansive(mutation: Mutation) -> Statement:
     t = symbols("x1 x2 a1 a2 k")
     dx, da = t.x1 - t.x2, t.a1 - t.a2
     dc = dx + t.k * da
-    goal = dc * dc >= mutation(1, 1.01) * dx * dx
-    return Statement(t, goal, (t.k > 0, dx * da >= 0))
+    return Statement(t, dc * dc >= mutation(1, 1.01) * dx * dx, (t.k > 0, dx * da >= 0))
 
 
 @map_claim("prox.root")
@@ -389,8 +379,7 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     E, target, followed = (s.inputs[n] for n in ("E", "target", "followed"))
     pull, rest = s.argument - s.free.end, (1 - E) * (target - x_target)
     way, monotone = abs(target - followed), (s.free.end - x_target) * (pull - rest) >= 0
-    nearer = abs(t.w) >= abs(carried - x_followed)
-    given = monotone, nearer, way >= abs(x_target - x_followed)
+    given = monotone, abs(t.w) >= abs(carried - x_followed), way >= abs(x_target - x_followed)
     most = E * (abs(t.w) + mutation(way, 0.9 * way))
     names = ("carried", "end", "x_followed", "x_target")
     return s.states((most >= abs(s.end - x_target),), given, names, t)
@@ -416,8 +405,7 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
     optimal = (1 - E) * (A - end + target) == s.argument - end
     above_start = mid >= after + A * (carried - end) + 0.5 * (carried - end) ** 2
-    above_target = after + A * back + 0.5 * back**2 <= 0
-    given = optimal, above_start, above_target, after >= 0
+    given = optimal, above_start, after + A * back + 0.5 * back**2 <= 0, after >= 0
     goals = mutation(E**2, (0.9 * E) ** 2) * mid >= after, s.end == end
     return s.states(goals, given, ("carried", "end", "x_target"), t)
 
@@ -451,8 +439,7 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     s, t = Step(smooth), symbols("C m", "C m")
     u1, C = s.limits[0], t.C
     most = s.inputs.E * u1 + s.shares[1] * mutation(C, 0.9 * C)
-    reached = abs(s.argument) <= most
-    short = when(reached, u1 - t.m >= abs(s.free.end))
+    short = when(abs(s.argument) <= most, u1 - t.m >= abs(s.free.end))
     given = u1 >= abs(s.free.carried), abs(s.inputs.target) <= C, short
     return s.states((u1 - t.m >= abs(s.end),), given, ("carried", "end"), t)
 

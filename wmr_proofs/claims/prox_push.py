@@ -7,7 +7,6 @@ v+, friction and the observer's force are free numbers with the properties that 
 from collections.abc import Mapping
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 from casadi import DM, SX, exp, expm1, fmax, horzcat, logic_and, substitute, vertcat, vertsplit
 
@@ -15,7 +14,7 @@ from wmr_ctrl.control.laws.prox import next_velocity, prox_step
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Both, Ring
-from wmr_proofs.regions import FREE, POSITIVE, Case
+from wmr_proofs.regions import FREE, POSITIVE, Case, Values
 from wmr_proofs.statement import (
     Cuts,
     Named,
@@ -74,8 +73,7 @@ class Sampled(Named):
     def observer_cuts(self) -> Cuts:
         """exp(-wo T) - 1, and the friction at the middle velocity."""
         law, t = self.law, self.law.symbols
-        old = vertcat(t["v_previous[1]"], t["v_previous[2]"])
-        middle = 0.5 * (law.own(law.context.v) + old)
+        middle = 0.5 * (law.own(law.context.v) + vertcat(t["v_previous[1]"], t["v_previous[2]"]))
         return {
             "fall": expm1(-t["gains.prox.wo"] * self.period),
             "drag": law.own(law.context.friction_at(middle))[self.axis],
@@ -85,8 +83,7 @@ class Sampled(Named):
     def observed(self) -> Relations:
         """T, M, r, l > 0, after the first sample, 0 < exp(-wo T) < 1."""
         t, fall = self.law.symbols, self.free.fall
-        sizes = positive(t.started, t["robot.r"], t["robot.l"])
-        return self.numbers, sizes, fall > -1, fall < 0
+        return self.numbers, positive(t.started, t["robot.r"], t["robot.l"]), fall > -1, fall < 0
 
     def gained(self, d: SX) -> Relations:
         """M (v - v_old) = T (F - F1 + d) since the previous sample."""
@@ -232,8 +229,7 @@ def observer_first(mutation: Mutation) -> Statement:
     law = LawGraph("prox")
     later = substitute(law.system.update, law.system.x, DM(law.system.x0))
     v = vertcat(*(law[name] for name in VELOCITY_NAMES))
-    goals = every(later[:5], vertcat(0, 0, v, mutation(1, 0)))
-    return Statement(law, goals)
+    return Statement(law, every(later[:5], vertcat(0, 0, v, mutation(1, 0))))
 
 
 @claim("prox.observer", each=BOTH_AXES)
@@ -267,9 +263,8 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     share, f = -s.free.fall, s.law.system.update[axis]
     old, new = s.f_old + d_old, f + d
     tight = mutation(1, 0.9)
-    sizes = logic_and(abs(d_old) <= most, abs(s.f_old) <= most)
     slow = logic_and(abs(d - d_old) <= change, share * abs(old) <= change)
-    small = when(sizes, tight * most >= abs(f))
+    small = when(logic_and(abs(d_old) <= most, abs(s.f_old) <= most), tight * most >= abs(f))
     goals = small, when(slow, tight * change >= share * abs(new))
     given = s.observed, s.gained(d_old)
     return s.states(goals, given=given, cuts=s.observer_cuts, more=t)
@@ -310,7 +305,7 @@ def sampled_before(axis: int) -> Both:
     names = (f"f_hat{of}", "tau_applied[2]", v, "a", "w", "mu", *["drag"] * (axis == 0))
     sure = ("clock.control", inertia, "robot.r", "robot.l")
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         """Values that solve both hypotheses."""
         asked = n[f"f_hat{of}"] - n[inertia] * n["a"] * n["w"] / n["clock.control"]
         left, pushed = n["tau_applied[2]"], n["robot.r"] * asked
@@ -374,10 +369,9 @@ def light_model(mutation: Mutation) -> Statement:
     t = symbols("mu a L")
     mu, a, L = t.values()
     given = [part for name in ("a", "L") for part in (t[name] > 0, t[name] < 1)]
-    share = mutation(4 / SX(3), SX(1.5))
     edge = 4 - mu * (2 * (a + L) - a * L)
     det = 1 - mu * (a + L) + mu * a * L
-    light = mu > 0, share >= mu
+    light = mu > 0, mutation(4 / SX(3), SX(1.5)) >= mu
     return Statement(t, (edge > 0, det < 1), (given, light))
 
 

@@ -9,10 +9,9 @@ With decay = "exact" the period is one Newton step towards V1 exp(-rho T): V1 is
 each of its tangents, corner included; what that means for the step is shown on the law's graph.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import casadi as ca
 
@@ -20,7 +19,7 @@ from wmr_ctrl.world.model.dynamics import acceleration
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import Claims, Mutation, rows
 from wmr_proofs.methods.spec import Z3, Ball, Method, Refute, Ring
-from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, at, tangent_case
+from wmr_proofs.regions import NONNEGATIVE, SIDE_EDGES, SIDES, Case, Values, at, tangent_case
 from wmr_proofs.statement import Cuts, Relations, Statement, between, positive, symbols, within
 
 from .common import BOTH_AXES, VELOCITY_NAMES, LawGraph
@@ -46,8 +45,7 @@ class Held:
         following = v + float(Fraction(self.period)) * (nominal + mutation(1, 8) * free.d)
         inner = law.inner(self.axis)
         del inner[self.velocity]  # the clip stays in the graph
-        goals = within(following, level)
-        return Statement(law | free, goals, (), inner, numbers(law))
+        return Statement(law | free, within(following, level), (), inner, numbers(law))
 
     @property
     def velocity(self) -> str:
@@ -152,7 +150,7 @@ def _pairs() -> Iterator[Case]:
 def _pair(y_side: str, v_side: str, jump: str) -> Case:
     pair = tangent_case(y_side, v_side)
 
-    def values(n: Mapping[str, Any]) -> dict[str, Any]:
+    def values(n: Values) -> Values:
         sizes = {"part": lambda: n["s"] / (1 + n["s"]) / n["b"], "whole": lambda: 1 / n["b"]}
         return {**pair.values(n), "jump": sizes.get(jump, lambda: n["u2"] - n["u2"])()}
 
@@ -210,8 +208,7 @@ def above_tangent(mutation: Mutation) -> Statement:
     # ``jump`` is 0 off the corner, and there up to the corner's jump of slope 1/(u1 - u2).
     t = symbols("y v c u1 u2 jump", "u1 u2")
     y, v, c, u1, u2, jump = t.values()
-    at_corner = ca.if_else(ca.eq(abs(v), u2), barrier.sign(v) * jump, 0)
-    slope = barrier.a_term(v, c, u1, u2) + at_corner
+    slope = barrier.a_term(v, c, u1, u2) + ca.if_else(ca.eq(abs(v), u2), barrier.sign(v) * jump, 0)
     bend = mutation(0.5, 0.6) * (y - v) ** 2
     line = barrier.lyapunov(v, c, u1, u2) + slope * (y - v) + bend
     given = jump >= 0, jump * (u1 - u2) <= 1
@@ -229,8 +226,7 @@ def side(mutation: Mutation, axis: int) -> Statement:
     s = NewtonStep(axis)
     w, fall = s.free.w, s.free.fall
     after, share = w * (w + s.moved), s.free.quotient * w
-    goals = between((1 + mutation * fall) * w**2, after, w**2)
-    return s.states(goals, between(0, share, w**2))
+    return s.states(between((1 + mutation * fall) * w**2, after, w**2), between(0, share, w**2))
 
 
 @newton_claim(
@@ -255,5 +251,4 @@ def falls(mutation: Mutation, axis: int) -> Statement:
         before >= after - slope_after * s.moved,
         after - slope_after * (w + s.moved) <= 0, w**2 > 0,
     )  # fmt: skip
-    level = mutation((1 + fall) * before, before)
-    return s.states((before > after, after >= level), given)
+    return s.states((before > after, after >= mutation((1 + fall) * before, before)), given)

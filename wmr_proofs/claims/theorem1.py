@@ -216,9 +216,8 @@ def start(mutation: Mutation) -> Statement:
     sides = abs(e[1]) > l * abs(e[0]), abs(e[1]) > l * abs(e[2])
     if mutation < 0:
         sides = l * abs(e[0]) > abs(e[1]), sides[1]
-    lemma = e[2] ** 2 >= 2 * (1 - cos(e[2]))
     goal = analysis.start_bound(l, k2, e[1]) > analysis.position_lyapunov(e, k2)
-    return Statement(t, goal, (l > 5, k2 > 0, sides, lemma))
+    return Statement(t, goal, (l > 5, k2 > 0, sides, e[2] ** 2 >= 2 * (1 - cos(e[2]))))
 
 
 @claim("eq40.printed", (40,), by=Refute((SIDE_POINT,)))
@@ -260,8 +259,7 @@ def window_value(mutation: Mutation) -> Statement:
     grown = V0 * (1 + k3 * T / (2 * l**2 * k2))
     small = 5 * T < 1, k3 / (k2 * l**2) < 1, analysis.start_bound(l, k2, E) > V0
     given = l > 5, k2 >= 1, positive(k3, T, V0, E), small
-    limit = mutation(594, 500)
-    return Statement(t, (10 * grown < 11 * V0, limit * 10 * E**2 > 11000 * V0), given)
+    return Statement(t, (10 * grown < 11 * V0, mutation(594, 500) * 10 * E**2 > 11000 * V0), given)
 
 
 @claim(
@@ -274,10 +272,8 @@ def side_bound(mutation: Mutation, side: int) -> Statement:
     Given: V2 < 0.594 e2(t0)^2.
     """
     t = Tracking("E")
-    value = analysis.position_lyapunov(t.e, t.k[1])
-    given = positive(t.k[1], t.E), 1000 * value < 594 * t.E**2
-    limit = mutation(1.21, 1.0)
-    return Statement(t, 121 * t.E**2 * limit > 121 * t.e[side - 1] ** 2, given)
+    given = positive(t.k[1], t.E), 1000 * analysis.position_lyapunov(t.e, t.k[1]) < 594 * t.E**2
+    return Statement(t, 121 * t.E**2 * mutation(1.21, 1.0) > 121 * t.e[side - 1] ** 2, given)
 
 
 @claim("eq45.printed", (45, 50), by=Ring(GAINS))
@@ -445,8 +441,7 @@ def angle_speed(mutation: Mutation) -> Statement:
     six = conditions(t)
     turned = analysis.angle_bound(l, k3, low, high, E) >= sine, sine >= 0
     given = positive(l, k2, k3, low, E, six[3], six[5]), between(low, v1d, high), turned
-    gains = vertcat(1, k2, k3)
-    bound = analysis.angle_rate_bound(l, gains, v1d, sine, E)
+    bound = analysis.angle_rate_bound(l, vertcat(1, k2, k3), v1d, sine, E)
     return Statement(t, -mutation(2.5, 3.5) * k2 * low * E > bound, given)
 
 
@@ -462,9 +457,8 @@ def rise(mutation: Mutation) -> Statement:
     Given: (39).
     """
     t = Tracking("eps1")
-    given = positive(*(t.k[i] for i in range(3)))
     bound = analysis.position_rate_bound(t.e, t.z, mutation * t.k)
-    return Statement(t, t.eps1 >= bound + t.eps1, given)
+    return Statement(t, t.eps1 >= bound + t.eps1, positive(*(t.k[i] for i in range(3))))
 
 
 @claim("eq53-54", (53, 54), premises="eq51")
@@ -547,9 +541,8 @@ def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256
     Given: k = (10, 5, 4), v1d = 0.2, v2max = 1.5.
     """
     t = symbols("l k2 k3 v1dmin v1dmax v2max")
-    six = conditions(t, printed)
     start = t.l > mutation(least, least - 1)
-    return Statement(t, positive(*vertsplit(six)), (paper_gains(t), start))
+    return Statement(t, positive(*vertsplit(conditions(t, printed))), (paper_gains(t), start))
 
 
 @claim("conditions.256", (40,), form=OURS)

@@ -76,8 +76,7 @@ class PointArithmetic(Arithmetic):
 def decide_points(statement: Statement, method: Refute) -> Finding:
     """REFUTED by the first point that satisfies every hypothesis and violates a goal."""
     found = first_violation(statement, method.points)
-    verdict = OPEN if found is None else REFUTED
-    return Finding(verdict, {"points tried": len(method.points)}, found)
+    return Finding(OPEN if found is None else REFUTED, {"points tried": len(method.points)}, found)
 
 
 def first_violation(statement: Statement, points: Iterable[Point]) -> Point | None:

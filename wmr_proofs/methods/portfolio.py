@@ -90,8 +90,7 @@ class Portfolio:
         solver.set("timeout", int(1000 * seconds))
         solver.add(*(term.translate(context) for term in terms))
         answer = solver.check()
-        known = dict(iter(solver.statistics()))
-        self.spent += known.get("rlimit count", 0) / counts
+        self.spent += dict(iter(solver.statistics())).get("rlimit count", 0) / counts
         self.tried[engine] = None
         return answer, solver.model() if answer == z3.sat else None
 

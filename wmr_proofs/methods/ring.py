@@ -34,8 +34,7 @@ def decide(statement: Statement, method: Ring) -> Finding:
     if failed:
         found = _violation(statement, failed)
         return Finding(OPEN if found is None else REFUTED, evidence, found)
-    witness = next(_witnesses(statement, method), None)
-    return Finding(PROVED, evidence, witness)
+    return Finding(PROVED, evidence, next(_witnesses(statement, method), None))
 
 
 def _proved(statement: Statement, method: Ring, case: Case) -> bool:
@@ -102,8 +101,7 @@ def at_least_by_lemma(algebra: Algebra, value: Any, strict: bool) -> bool:
     ratio = algebra.field(1)
     for argument, n in powers.items():
         ratio = ratio * argument**n
-    found = algebra.sign(rest + factor * (1 - 1 / ratio))
-    return found in (("+",) if strict else ("+", "+0", "0"))
+    return algebra.sign(rest + factor * (1 - 1 / ratio)) in (("+",) if strict else ("+", "+0", "0"))
 
 
 def _split(algebra: Algebra, value: Any) -> tuple[Any, Any, dict[Any, int]] | None:

@@ -36,8 +36,7 @@ class RingArithmetic(Arithmetic):
 
     def variable(self, name: str) -> Any:
         """Element of an input."""
-        value = self.inputs[name]
-        return self.algebra.field(value)
+        return self.algebra.field(self.inputs[name])
 
     def apply(self, op: str, args: list[Any]) -> Any:
         """Element of an operation; None if it is undefined."""
@@ -142,8 +141,7 @@ class RingArithmetic(Arithmetic):
                     return self.algebra.atom("log of", value, FREE)
                 signs += times * (found == "-")
                 factor = factor if found == "+" else -factor
-                content_part = self.algebra.field(factor)
-                total += side * times * self.algebra.atom("log", content_part, FREE)
+                total += side * times * self.algebra.atom("log", self.algebra.field(factor), FREE)
             content = content * (-1) ** signs
             if content < 0:
                 return None

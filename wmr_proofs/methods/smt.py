@@ -262,8 +262,7 @@ def posed(statement: Statement, but: Container[int] = (), simple: bool = False) 
     goals = len(statement.goal_kinds)
     given = [relation(k, v) for k, v in zip(statement.given_kinds, values[goals:], strict=True)]
     wrong = [z3.Not(relation(k, v)) for k, v in zip(statement.goal_kinds, values, strict=False)]
-    undefined = list(violations(walk, goals, but, simple))
-    return Problem(terms, given + terms.facts, wrong, undefined)
+    return Problem(terms, given + terms.facts, wrong, list(violations(walk, goals, but, simple)))
 
 
 def _unless_undefined_or_vacuous(
@@ -371,6 +370,5 @@ def _guards(walk: Walk, goals: int) -> dict[int, Any]:
             if arg not in guards:
                 guards[arg] = condition
             elif not z3.is_true(guards[arg]):
-                either = condition if z3.is_true(condition) else z3.Or(guards[arg], condition)
-                guards[arg] = either
+                guards[arg] = condition if z3.is_true(condition) else z3.Or(guards[arg], condition)
     return guards
