@@ -9,7 +9,7 @@ STABILITY = ("clock.control", "model.m")
 
 
 def told_of(setup, key=""):
-    """Those of one key, or all of them."""
+    """Return the warnings about one key, or all warnings."""
     asked = [c for c in CHECKS if key in ("", *STABILITY) or c is not sample_time]
     found = (warning for check in asked for warning in check(loop_of(setup)))
     return [warning for warning in found if key in ("", warning.key)]

@@ -1,4 +1,4 @@
-"""What the base does to commands, told as the cause where a run misses its path or its goal."""
+"""Effects of the base on commands are named as the cause if a run misses its path or goal."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Delay in the sampled linear loop: whole periods, parts of one, and what is said of it."""
+"""Delay in the sampled linear loop: whole periods, fractions of one, and its warnings."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ CIRCLE = np.array((0.2, 0.1))
 
 
 def test_stable_periods_need_not_reach_down_to_zero(told, loop):
-    """With its own gains prox bears a delay of 0.05 s at 0.1 s, though not at 0.05 s."""
+    """prox with its own gains tolerates a delay of 0.05 s at a period of 0.1 s, but not 0.05 s."""
     late = {"clock.control": 0.1, "actuator.delay": 0.05}
     low, high = stable_periods(at := loop("prox", late))
 

@@ -1,4 +1,4 @@
-"""What is told before a guarded run."""
+"""Messages on the price of the guard, before a guarded run."""
 
 import re
 
@@ -41,7 +41,10 @@ NARROW = {"limits.v_u1": [1.0, 0.11], "limits.v_u2": [0.8, 0.105]}
 
 @pytest.mark.parametrize("delay", [0.0, 0.02])
 def test_the_robot_turns_as_fast_as_is_usable_on_average(delay):
-    """It is asked for more, without a push: the guard lets it come to the usable rate, and stay."""
+    """A robot commanded to turn faster than is usable reaches the usable rate and keeps it.
+
+    No push acts on the robot.
+    """
     changed = {**NARROW, "actuator.delay": delay, "disturbance.std": 0.0, "guard.dbar": [60.0, 8.0]}
     scenario = load_scenario("safe-simulation", changed)
     price = speed_price(scenario, settle(scenario, "prox").guard)

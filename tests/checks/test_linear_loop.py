@@ -62,9 +62,10 @@ def started(scenario, away):
 
 
 def seen_and_told(scenario, every=1):
-    """What a small displacement of the start makes of error and velocity (N, 5), per unit.
+    """Return the effect of a small initial displacement on error and velocity (N, 5), per unit.
 
-    By differences of compiled runs, which know nothing of derivatives, and by the linear loop.
+    The first result is from differences of compiled runs, which use no derivatives. The second is
+    from the linear loop.
     """
     one, other = (started(scenario, size * AWAY) for size in (SMALL, -SMALL))
     seen = (one - other) / (2 * SMALL)
@@ -93,7 +94,10 @@ def test_a_small_displacement_follows_the_matrices(name):
 def test_a_small_displacement_follows_the_matrices_with_late_filtered_or_rare_poses(
     age, correction, every
 ):
-    """On a line; the rest is where the robot settles: it is behind by what it drives meanwhile."""
+    """The linear loop matches the run on a line, up to where the robot settles.
+
+    It settles behind by the distance that it drives while a pose is late.
+    """
     pose = {"sensor.pose_delay": age, "sensor.correction": correction, "reference.kind": "line",
             "reference.speed": 0.2, "sensor.pose_period": every * T}  # fmt: skip
     seen, told = seen_and_told(still(pose), every)
@@ -128,7 +132,10 @@ def finals(scenario, law, samples):
 @pytest.mark.parametrize("law, effects", [("pid", "none"), ("prox", "lag"), ("kanayama", "none")])
 @pytest.mark.slow_but("pid-none")
 def test_eigenvalues_are_those_of_differences_through_the_compiled_loop(law, effects):
-    """Of the whole state, a law's memory and what its observer believes of the drives in it."""
+    """Eigenvalues of the linear loop are among those found from differences of compiled runs.
+
+    The state includes the law's memory and its observer's estimate of the drives.
+    """
     on = {"initial.pose": [0.0, 0.0, -np.pi / 2], "initial.velocity": V_D.tolist()}
     scenario = still(changes(EFFECTS[effects]) | on)
     early, later = (finals(scenario, law, samples) for samples in (5, 6))

@@ -127,7 +127,7 @@ def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number():
 
 
 def test_a_constant_integral_stays_zero_at_the_resting_point():
-    """With base.ki = 0 friction leaves the robot behind, and the integral of the base at 0."""
+    """Friction leaves the robot behind if base.ki = 0, and the integral of the base stays 0."""
     proportional = moving({"base.loop": "pi", "base.kp": 10.0, "base.ki": 0.0, "robot.mu": 0.02})
     run = simulate(proportional, "pid", overrides={"clock.duration": 40.0})
     desired = sample(proportional, np.zeros(1))[0][3:5]

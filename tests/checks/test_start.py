@@ -48,7 +48,7 @@ def test_a_guard_brings_back_what_starts_outside(told):
 
 
 def test_start_exactly_at_the_limit_is_not_outside_it(told):
-    """|v| <= v_u1 is what is promised, with equality."""
+    """The promise |v| <= v_u1 includes equality."""
     (warning,) = told("mb", {"initial.velocity": [1.0, -1.0]}, key="initial.velocity")
 
     assert "outside" not in warning.sentence

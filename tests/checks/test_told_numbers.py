@@ -39,7 +39,7 @@ def test_the_period_that_the_kink_admits_is_that_of_the_faster_axis(told):
 
 
 def test_the_largest_delay_is_one_at_which_the_loop_is_on_the_edge():
-    """Of an observer that is not told of a part of it."""
+    """The loop becomes unstable at the reported delay, of which the observer ignores 4 ms."""
     scenario = load_scenario("safe-simulation", {"actuator.unmodelled_delay": 0.004})
     scenario = override(scenario, {"guard.enabled": False})
     known = 1e3 * (stability(scenario, "prox").delay - 0.004)
@@ -99,7 +99,10 @@ def test_what_a_run_shows_counts_in_the_verdict(key, said):
 
 @pytest.mark.parametrize("rare", [0.0, 0.04])
 def test_torques_that_noise_makes_are_the_laws_answers_to_it(told, rare):
-    """On the reference, by single errors of the tests' own loop at its first sample."""
+    """The reported torque noise equals the law's response to single measurement errors.
+
+    The response is taken on the reference, at the first sample of the tests' own loop.
+    """
     noise = {"sensor.velocity_noise": [0.05, 0.2], "sensor.pose_noise": 0.02,
              "sensor.pose_period": rare, "clock.duration": 0.05}  # fmt: skip
     (warning,) = told("mb", noise, key="gains.mb")

@@ -18,7 +18,10 @@ from wmr_ctrl.world.scenario import load_scenario
 @pytest.mark.parametrize("engine", ["native", "numpy"])
 @pytest.mark.slow_but("numpy")
 def test_a_wheel_beyond_its_limit_is_an_outcome(engine):
-    """By each engine; every step is logged, but the last. With a limit above it the run is well."""
+    """A wheel beyond its limit ends the run as a violation; a higher limit is kept.
+
+    Both engines agree. Every step except the last is logged.
+    """
     stated = VELOCITY | changes("""
         clock.control = 0.01
         clock.plant = 0.01

@@ -1,4 +1,4 @@
-"""A monitor behind every law: it changes no torque, and what it publishes is what it says."""
+"""A monitor follows every law: its diagnostics come last, and dbar is a parameter with units."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a caller means by a scenario."""
+"""Scenarios as callers give them: a name, a file or a Scenario, with fields replaced."""
 
 import pytest
 

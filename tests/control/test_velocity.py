@@ -1,4 +1,4 @@
-"""What is asked of a base that takes velocities, and what is remembered of what was sent."""
+"""Commands to a base that takes velocities, and the memory of the commands sent."""
 
 import casadi as ca
 import numpy as np

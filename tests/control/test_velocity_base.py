@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for():
-    """With known time constants prox drives as it does on a base that takes torques."""
+    """The adapter makes prox drive as on a base that takes torques, for known time constants."""
     fast = {"clock.control": 0.01, "base": {"kind": "velocity", "tau": [0.2, 0.2]}}
     velocity = wmr_ctrl.simulate(based({**VELOCITY, **fast}), "prox")
     torque = wmr_ctrl.simulate(based({**VELOCITY, **fast, "base": {}}), "prox")
@@ -118,7 +118,7 @@ def test_a_refusal_names_both_axes_at_once():
 
 
 def broken(changes):
-    """What a filter that is trusted all the same does not hold of its base."""
+    """Return the hypotheses of a trusted filter that its base breaks, as one text."""
     setup = settle(override(based(changes), {"filter.trust": True}), "kanayama")
     return " ".join(broken_hypotheses(setup.scenario, setup.bound))
 
@@ -137,7 +137,10 @@ def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share, said):
 
 
 def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes():
-    """Of a governor in one sentence an axis; of a clip pushes alone count."""
+    """Resistance adds to the pushes on both axes.
+
+    A governor reports both in one sentence per axis; for a clip, only pushes count.
+    """
     ground = changes("resistance.rolling = [0.02, 0.01]; filter.d = [1e-6, 1e-6]")
     text, clipped = broken({**GOVERNED, **ground}), broken({**CLIPPED, **ground})
     pushed = [float(x) for x in re.findall(r"push the base on by (\S+) ", clipped)]
@@ -147,7 +150,10 @@ def test_what_slows_a_base_adds_to_what_pushes_it_on_both_axes():
 
 
 def test_no_wheel_is_asked_for_more_than_a_jump_from_limit_to_limit_takes():
-    """Of both axes at once, against friction, in the first plant step."""
+    """The largest wheel torque is for a jump from limit to limit on both axes, against friction.
+
+    It is computed for the first plant step.
+    """
     scenario = based(GOVERNED)
     robot, h = scenario.robot, scenario.clock.plant
     change = [2 * V * (1 - math.exp(-h / tau)) / h
@@ -223,7 +229,10 @@ def test_check_promises_no_limit_that_a_start_breaks():
 
 
 def test_check_counts_on_no_odometry_that_is_too_old_to_be_used():
-    """By a scenario that leaves it out; what is told of an age that is used is told as ever."""
+    """The usable speed is computed without odometry that is too old to be used.
+
+    Odometry within ``filter.age`` is reported as usual.
+    """
     late = {**GOVERNED, "sensor.velocity_age": 0.1}
     deaf = settle(based(late, "filter.age = 0.05"), "kanayama")
     alone = settle(based(GOVERNED, {"filter.odometry": None}), "kanayama")
@@ -362,7 +371,10 @@ def test_a_clip_counts_on_motors_that_hold_against_pushes(pushed):
     """),
 )
 def test_a_limit_of_wheels_speeds_is_refused_where_one_axis_is_held_back(changed, key):
-    """On ramps whose axes each stop no slower than the other starts, 0.25 m out, it holds."""
+    """The limit on wheel speeds holds if each axis stops at least as fast as the other starts.
+
+    Rates of omega are compared at a wheel, 0.25 m out.
+    """
     alike = changes("filter.wheel_speed = 0.8; base.tau = [0.2, 0.2]; robot.mu = 0")
     stated = based(CLIPPED | alike, changed)
     if key == "none":

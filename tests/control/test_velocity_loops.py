@@ -79,7 +79,7 @@ MIXED = {
 
 @pytest.mark.parametrize("name", MIXED)
 def test_each_axis_follows_by_its_own_loop(name):
-    """Each as where both axes have its loop, as long as no wheel is at its torque limit."""
+    """An axis moves as in a base where both axes have its loop, if no wheel torque saturates."""
     mixed = base(MIXED[name])
     commands = np.repeat(np.random.default_rng(4).uniform(-1, 1, (10, 2)), 40, axis=0)
     speeds = driven(mixed, commands)

@@ -1,4 +1,4 @@
-"""Errors: what is wrong, near names, values of a readable length."""
+"""Errors state the fault, suggest similar names, and shorten values to a readable length."""
 
 import math
 import pickle

@@ -22,7 +22,7 @@ POSED = ("t", "wheel_counts[1]", "wheel_counts[2]", "tau_right", "tau_left", "x"
 
 
 def drive(base=BASE, seed=1, **how):
-    """Log of a base that takes velocities: 12 s of random steps, if nothing else is told."""
+    """Return the log of a base that takes velocities; the default is 12 s of random steps."""
     return recorded(base, Drive(**{"seconds": 12.0, **how}), seed)
 
 
@@ -43,7 +43,10 @@ def filters_at_level_one():
 
 @pytest.fixture(scope="module", autouse=True)
 def level_one():
-    """In this folder alone: a fixture of the session would last for all tests after it."""
+    """Keep filters at level one in this folder only.
+
+    A fixture of the session would last for all tests after it.
+    """
     with filters_at_level_one():
         yield
 
@@ -55,14 +58,14 @@ def driven():
 
 @pytest.fixture(scope="session")
 def found(driven):
-    """What the first robot's log tells."""
+    """Identification result of the first robot's log."""
     with filters_at_level_one():
         return identify(log_of(driven, 0), overrides=KNOWN)
 
 
 @pytest.fixture(scope="session")
 def based():
-    """What the log of the base tells, of which the user says nothing."""
+    """Identification result of a base's log, without any number from the user."""
     return identify(drive(), base="velocity")
 
 

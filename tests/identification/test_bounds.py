@@ -1,4 +1,4 @@
-"""Verdicts, mixtures and seconds: what a log tells of its parameters, from information alone."""
+"""Verdicts, mixtures and informative seconds of a log's parameters, from information alone."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What is identified of a base that takes torques holds the truth."""
+"""Identification of a base that takes torques: the intervals contain the true values."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -67,7 +67,7 @@ def test_fit_that_is_not_finite_is_refused_in_words(nll, information, driven, mo
 
 
 def parameters(known, **values):
-    """What a filter takes: all that is searched, then r, l, g, v_s and T."""
+    """Return the parameters of a filter: all searched ones, then r, l, g, v_s and T."""
     ones = dict.fromkeys(("s1", "s2", "time", "n1", "n2"), 1.0)
     return np.concatenate((searched(ones | values), known))
 

@@ -91,9 +91,10 @@ def test_delays_that_differ_from_change_to_change_are_told():
     "kind, commands, motion", [("steps", 1, 1), ("steps", 2, 1), ("smooth", 1, 1), ("smooth", 3, 3)]
 )
 def test_delays_of_commands_that_are_logged_in_part_are_not_determined(kind, commands, motion):
-    """With every second command logged, the one between may have caused what is seen.
+    """A delay is determined only if the log has every command and its steps show this.
 
-    Nothing in a log of commands that change from row to row says that all of them are in it.
+    With every second command logged, a command in between may have caused the motion. If commands
+    change from row to row, nothing in the log shows that it has all of them.
     """
     base = Truth((Axis(), Axis()), (0.077, 0.077))
     log = {key.split(" ")[0]: np.array(row) for key, row in drive(base, kind=kind).items()}

@@ -8,7 +8,10 @@ from wmr_ctrl.report.identified import write_identification
 
 
 def test_traces_foretell_as_the_score_says(found):
-    """Shares of the held-out variance, from what is drawn; the filter begins anew for the score."""
+    """The drawn traces give the score: the predicted shares of the held-out variance.
+
+    The filter starts again for the score, so the shares agree to 0.03.
+    """
     traces = found.traces()
     rest = traces.t >= traces.held_out_from
     seen, foretold = traces.measured[rest], traces.foretold[rest]

@@ -78,7 +78,7 @@ def test_blocks_that_scatter_or_step_by_little_tell_no_change(step, told):
 
 @pytest.mark.parametrize("apart", [1e-9, 1e-6, 1e-3])
 def test_numbers_that_half_of_a_log_does_not_tell_apart_have_not_changed(apart):
-    """A regression on two numbers whose columns are all but the same in its first half."""
+    """Two numbers have not changed if their columns are almost equal in the log's first half."""
     rng = np.random.default_rng(1)
     x = rng.normal(size=(16, 100, 2))
     x[:8, :, 1] = x[:8, :, 0] * (1 + apart * rng.normal(size=(8, 100)))

@@ -1,4 +1,4 @@
-"""Widths of intervals, a guard's numbers by them, and what of a log counts: by hand."""
+"""Widths of intervals, a guard's numbers from them, and the rows of a log that count, by hand."""
 
 import math
 from types import SimpleNamespace

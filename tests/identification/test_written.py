@@ -127,7 +127,7 @@ def test_a_log_of_one_direction_switches_the_filter_off():
 
 
 def test_a_filter_rests_on_what_is_assumed_between_the_speeds_of_a_log():
-    """A log of 0.25 and 0.5 m/s: most of what the filter sends is not in it."""
+    """The log has speeds of 0.25 and 0.5 m/s only, so it lacks most commands of the filter."""
     found = of("limits.v_u1 = [0.2, 0.9]; limits.v_u2 = [0.1, 0.5]", drive(kind="levels"))
 
     assert found.scenario.filter.kind == "clip"
@@ -136,7 +136,7 @@ def test_a_filter_rests_on_what_is_assumed_between_the_speeds_of_a_log():
 
 
 def test_a_base_that_no_loop_explains_keeps_the_limits_of_its_filter():
-    """It drives by 0.1 m/s and 0.4 rad/s less than it is told."""
+    """The base keeps the limits although it is 0.1 m/s and 0.4 rad/s slower than its commands."""
     truth = Truth((Axis(first=0.15, offset=0.1), Axis(offset=0.4)))
     log = drive(truth)
     v, omega = of(log=log).scenario.limits.v_u1

@@ -17,7 +17,7 @@ def claim_of(key):
 
 
 def verdict(claim):
-    """What the claim's own method says of its statement."""
+    """Verdict of the claim's own method on its statement."""
     assert claim.statement is not None
     assert claim.method is not None
     return claim.method.decide(claim.statement(CLAIMED)).verdict

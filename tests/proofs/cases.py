@@ -18,7 +18,10 @@ MOST = 256
 
 
 class CaseTerms(TermArithmetic):
-    """Terms of one case; ``taken`` is what was decided, ``outside`` where it would be undefined."""
+    """Terms of one case.
+
+    ``taken``: the decisions made; ``outside``: conditions under which a term is undefined.
+    """
 
     def __init__(self, ask, known):
         super().__init__()
@@ -32,7 +35,7 @@ class CaseTerms(TermArithmetic):
         return super().variable(name) if value is None else z3.RealVal(str(value), self.context)
 
     def apply(self, op, args):
-        """Choices are decided; what has a domain is written down."""
+        """Decide each choice between terms, and record where an operation is undefined."""
         if op in ("fmin", "fmax"):
             least = self._decided(args[0] <= args[1])
             return args[0] if least == (op == "fmin") else args[1]
@@ -46,11 +49,11 @@ class CaseTerms(TermArithmetic):
         return super().apply(op, args)
 
     def compare(self, op, left, right, _ask):
-        """Decided."""
+        """Decide the comparison."""
         return self._decided(super().compare(op, left, right, _ask))
 
     def logic(self, op, args):
-        """Of decided conditions."""
+        """Combine conditions that are already decided."""
         return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
     def number(self, condition):

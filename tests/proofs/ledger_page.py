@@ -122,7 +122,7 @@ def _row(entry, is_stale):
 
 
 def how(entry):
-    """Why the verdict is what it is, in one phrase."""
+    """Return the reason for the verdict in one phrase."""
     if entry.verdict == "HAND":
         return f"by hand, see lemmas.md{_rests(entry)}"
     if not entry.method:

@@ -46,9 +46,9 @@ while not (command := parser.nextCommand()).isNull():
 
 
 def programs():
-    """By name, each solver that is installed: its strategies as commands that read a file.
+    """Return the installed solvers by name: their strategies as commands that read a file.
 
-    The quicker one first.
+    The quicker solver comes first.
     """
     own = Path(sys.executable).with_name("yices-smt2")
     yices = own if own.exists() else shutil.which(own.name)
@@ -95,7 +95,10 @@ def answer(name, text, patience=PATIENCE):
 
 
 def _said(text, patience, command):
-    """In a process of its own, which can be ended: solvers do not always keep to their limits."""
+    """Return a solver's answer to ``text``, or "unknown".
+
+    The solver runs in a process that can be ended: solvers do not always keep to their limits.
+    """
 
     def limited():
         resource.setrlimit(resource.RLIMIT_CPU, (patience, patience))

@@ -1,4 +1,4 @@
-"""What is done to the guard where it is put together does not stay unnoticed."""
+"""Alterations of the assembled guard are noticed."""
 
 import math
 from dataclasses import replace
@@ -52,7 +52,7 @@ def reached_about(both, phi, half_track):
 
 
 def never_at_rest(*given):
-    """What is under way as the mean alone counts it, not from where friction stopped the robot."""
+    """Effect of commands in transit from the measured mean alone, without a stop by friction."""
     return replace(delay.delayed_push(*given), since_rest=None)
 
 
@@ -73,7 +73,7 @@ def kept_late(self, torque):
 
 
 def held_mean(commands, late, acting, decay):
-    """The mean and what acts last, of drives without lag."""
+    """Mean torque of drives without lag; the acting torque stays as it is."""
     mean, _ = applied.followed(commands, late, acting, 0)
     return mean, acting
 
@@ -158,7 +158,7 @@ def is_told(system):
 
 
 def digest(system, names):
-    """Of the compiled text of what has these names."""
+    """Digest of the compiled text of the named values."""
     table, told = scalars((*system.inputs, *system.state, *system.params)), is_told(system)
     return graph_of(table, [told[name] for name in names]).digest
 
@@ -179,7 +179,7 @@ def digest(system, names):
     """),
 )
 def test_what_is_watched_and_asked_is_the_controller(law, told):
-    """The graph of which entries speak has the compiled text of the one that is exported."""
+    """The graphs that entries are about have the compiled text of the exported controller."""
     setup = settle(load_scenario(PRESET, {"clock.control": 0.01, **changes(told)}), law)
     plain, asking = controller.controller(setup), controller.asking_controller(setup)
     names = [*is_told(plain)]

@@ -188,7 +188,7 @@ def test_a_thousand_alterations_of_each():
 
 
 def test_certificates_do_not_refute_hypotheses_that_can_be_met():
-    """Those of an entry's goals, for its hypotheses alone, which a point meets."""
+    """Certificates of goals are refused for an entry's hypotheses alone, which a point meets."""
     rng = random.Random(3)
     for key in rng.sample(sorted(index()), 20):
         items = held(key)

@@ -128,7 +128,10 @@ def test_sums_are_positive_in_every_region():
 
 @pytest.mark.slow
 def test_as_much_is_cancelled_as_was_shown_to_be_defined():
-    """Of some functions that claim; with another graph it is asked anew whether it is defined."""
+    """The recorded numbers of cancelled operations are found again, for every fifth function.
+
+    A changed graph is examined again for points where it is undefined.
+    """
     known, asked = load().by_id(), {}
     for claim in PROVED_CLAIMS:
         inner = getattr(claim.statement, "func", claim.statement)

@@ -1,4 +1,4 @@
-"""The committed certificates: of today's obligations, all of them checked, and what has none."""
+"""The committed certificates match today's obligations and are accepted; gaps are named."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The checker of certificates: what each node shows, and what it refuses."""
+"""The checker of certificates: the conclusion of each kind of node, and the files it refuses."""
 
 import json
 import lzma
@@ -169,7 +169,7 @@ def test_another_certificate_than_is_expected_is_refused(certificate):
 
 
 def doubling(sort, first, step, last):
-    """A text of sixty definitions, each of which reads the one before twice."""
+    """Text of sixty definitions; each reads the previous definition twice."""
     lines = [f"(define-fun $0 () {sort} {first})"]
     lines += [f"(define-fun ${k + 1} () {sort} {step.replace('$', f'${k}')})" for k in range(60)]
     return obligation(last).replace("(assert", "\n".join([*lines, "(assert"]))

@@ -12,7 +12,7 @@ from wmr_ctrl.control.filter import governor
 
 
 def test_clip_sends_what_any_linear_loop_may_add_up():
-    """N |u| + delta <= V, with the peak gain N of the loop and what pushes do, delta."""
+    """The clip keeps N |u| + delta <= V, with the peak gain N and the effect delta of pushes."""
     assert_proved("filter.sent-clip.axes")
 
 
@@ -27,7 +27,7 @@ def test_clip_of_first_order_bases_keeps_the_limit_from_sample_to_sample():
 
 
 def test_governor_sends_at_most_its_limit():
-    """The whole filter: both axes, what they were asked for, odometry or none."""
+    """The entry covers the whole filter: both axes, any command, with or without odometry."""
     assert_proved("filter.sent")
 
 

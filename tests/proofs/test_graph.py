@@ -101,7 +101,7 @@ def test_a_law_is_proved_as_it_is_compiled(law):
 
 
 def fingerprints(heads, operands):
-    """Of each value, with all that it is computed from."""
+    """Set of hashes of the values, each with everything it is computed from."""
     found = []
     for head, args in zip(heads, operands, strict=True):
         text = repr((head, [found[k] for k in args]))

@@ -38,7 +38,7 @@ def test_controller_that_is_exported_keeps_the_limit():
 
 
 def test_commands_under_way_stay_as_small_as_the_guard_counts():
-    """Behind a constant delay: what is remembered is within `largest` again a sample later."""
+    """The remembered commands stay within `largest` one sample later, for a constant delay."""
     assert_proved("guard.assembled.carried")
 
 

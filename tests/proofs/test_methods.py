@@ -1,4 +1,4 @@
-"""Each method: what it must prove, must refute, and must leave open."""
+"""The methods of proof: statements that each must prove, refute or leave open."""
 
 from fractions import Fraction
 

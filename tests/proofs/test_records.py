@@ -1,4 +1,4 @@
-"""What a record holds, and what `prove` takes from it."""
+"""Contents of a record, and the parts that `prove` reuses."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -39,7 +39,7 @@ def claim_of(statement, method=PLAIN):
 
 
 def turned(mutation):
-    """The same with the hypothesis among the goals."""
+    """Return the written statement with its hypothesis moved to the goals."""
     statement = written(mutation)
     return replace(statement, goals=(statement.goals, statement.given), given=())
 

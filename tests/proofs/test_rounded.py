@@ -16,7 +16,7 @@ from wmr_proofs.statement import UNIT, Statement, above, at_least, equal, symbol
 
 
 def verdict(expr, goal, table, given=()):
-    """Of a goal about ``hat``, computed from ``expr``."""
+    """Verdict on a goal about ``hat``, which is computed from ``expr``."""
     statement = Statement(table, (goal,), given, computed={"hat": expr})
     return Z3(effort=20).decide(statement).verdict
 
@@ -38,7 +38,7 @@ def test_what_is_exact_stays_exact(exact):
 
 
 def test_a_quotient_by_a_parameter_is_rounded_twice():
-    """As the compiled text has it, a product with an inverse."""
+    """The compiled text multiplies by an inverse, so a quotient is rounded twice."""
     t = symbols("x p hat", "p")
     once = at_least(UNIT * ca.fabs(t["x"]), ca.fabs(t["hat"] * t["p"] - t["x"]))
     twice = at_least(2.01 * UNIT * ca.fabs(t["x"]), ca.fabs(t["hat"] * t["p"] - t["x"]))
@@ -80,7 +80,10 @@ def test_what_is_not_defined_behind_a_rounding_is_left_open():
     [(on, scale) for on in ("body", "wheels", "both") for scale in ("curvature", "turn", "drive")],
 )
 def test_what_doubles_scale_is_as_near_to_its_limits_as_is_proved(on, scale):
-    """In rationals, for commands that doubles compute; some pass the wheels' limits."""
+    """Scaled commands in doubles exceed wheel limits by the proved rounding at most.
+
+    The comparison is in rationals; some commands do exceed a limit.
+    """
     a, rng, passed = Limited(on), np.random.default_rng(1), 0
     sent = ca.Function("sent", [*a.symbols.values()], [scaled(a.asked, a.channels, *a.ends, scale)])
     wheels = [not a.is_axis(channel) for channel in a.channels]

@@ -1,4 +1,4 @@
-"""Entries of filter, gate and what the corridor assumes of commands, sampled as they are worded."""
+"""Entries of filter and gate, and the corridor's assumptions on commands, sampled as worded."""
 
 from functools import partial
 
@@ -143,7 +143,7 @@ def axes_of(more):
 
 
 def _governed(rng, more):
-    """A governor's whole step: what is sent, what that leads to, and what is kept."""
+    """Sample a governor's whole step: the commands, the speeds they cause, and the kept bounds."""
     graph = Governor(load_scenario("paper-simulation", {**BASE, **axes_of(more), **more}))
     n = Numbers(rng, graph.system)
     V, push, gain = stated(rng, n)
@@ -241,7 +241,7 @@ def clip_of(rng, settings):
 
 
 def _clipped(rng, settings):
-    """Each limited speed of what a clip sends, against the numbers of its limit."""
+    """Compare the limited speeds that a clip's commands cause with the numbers of their limits."""
     clip, n = clip_of(rng, {**settings, **axes_of(settings)})
     if "filter.gain" in n.of:
         stated(rng, n)

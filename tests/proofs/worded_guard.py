@@ -202,7 +202,7 @@ def averaged(rng):
 
 
 def _late(rng, a):
-    """Goals behind commands under way: what they leave, and that the new one keeps the limit."""
+    """Goals with commands in transit: the room they leave, and the limit under the new command."""
     assert a.delay is not None
     (brakes, largest), sums = a.caps(), counted(rng, a)
     J = 0 * a.u1 if a.jitter is None else a.jitter

@@ -1,4 +1,4 @@
-"""Entries of prox, and what the corridor assumes of laws and guard, sampled as they are worded."""
+"""Entries of prox, and the corridor's assumptions on laws and guard, sampled as worded."""
 
 import casadi as ca
 import numpy as np

@@ -106,7 +106,10 @@ def based(**base):
 
 
 def acting(scenario, commands, draws=(), effect=None):
-    """What an effect, by default the last, makes of commands (N, 2), one for each plant step."""
+    """Return an effect's output for commands (N, 2), one per plant step.
+
+    ``effect`` is the last one by default.
+    """
     system = (effect or REGISTRY.present(scenario, EffectRole.COMMAND)[-1]).system(scenario)
     graph = system.function("act", [ca.densify(system.update), ca.densify(system.y)])
     state, rows = np.array(system.x0), []

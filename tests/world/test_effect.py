@@ -41,10 +41,10 @@ def test_the_engine_without_a_compiler_and_the_twin_agree(name):
 
 
 def test_laws_see_only_measured_values():
-    """With encoders, a gyro and late poses no torque depends on true velocity or pose by itself.
+    """Torques depend on no true velocity if encoders measure it.
 
-    What the graph of a sample reads of the plant is the way and the orientation that encoders
-    count, omega for the gyro, and the pose; with the pose's sensor frozen, nothing else.
+    The graph of a sample reads the pose (x, y, theta) from the plant, and the path length, which
+    encoders count together with the orientation.
     """
     counted = {**EFFECTS["encoder"], "actuator.lag": 0.02, "disturbance.std": 0.0}
     for law in ("nn", "prox"):

@@ -77,7 +77,10 @@ def test_a_delay_is_as_many_plant_steps_as_its_decimals_say(plant):
 
 @pytest.mark.parametrize("limit, step", [(1.05, 0.3), (10.0, 0.7), (2.0, 0.5)])
 def test_motor_steps_exceed_the_torque_limit_within_their_bound(limit, step):
-    """By half a step, where the limit is half a step from a whole number of them."""
+    """Motor steps exceed the torque limit by half a step at most.
+
+    The bound is reached if the limit is half a step away from a multiple of the step.
+    """
     chosen = load_scenario("far-start", {"actuator.tau_max": limit, "motor.step": step})
     given = float(stepped(ca.DM(limit), ca.DM(step)))
 

@@ -1,4 +1,4 @@
-"""Lost velocities, and the age of what is shown."""
+"""Lost velocities, and the reported age of the velocity in use."""
 
 import pytest
 

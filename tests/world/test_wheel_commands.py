@@ -44,7 +44,7 @@ def test_rims_change_no_faster_than_their_ramps(accel, decel):
 
 
 def test_a_wheel_kept_at_rest_changes_the_command_by_half_of_its_dead_band_at_most():
-    """`dropped` is what may act of a command that is as large as the limit allows or smaller."""
+    """`dropped` bounds the change of a command with one wheel in its dead band, and is tight."""
     changes = {"base.wheel_deadband": BAND}
     told = np.array(WHEEL_COMMANDS.bounded(override(CREATE3, changes)).dropped)
     commands = np.random.default_rng(3).uniform(-2, 2, (4000, 2)) * (BAND, BAND / L)

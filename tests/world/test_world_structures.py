@@ -23,7 +23,7 @@ EFFECTS = [*TOYS.values(), *(OURS[name] for name in PARTS)]
 
 
 def structure(number):
-    """A law, and what is drawn for it: effects, guard, a reference; every kind in its turn."""
+    """Return a law and changes drawn for it: effects, guard, and each kind of reference in turn."""
     kinds = [*REFERENCES]
     kind = kinds[number % len(kinds)]
     changes = {**BASE, **(PATH if kind == "waypoints" else {})}

@@ -116,7 +116,7 @@ def test_stable_forms_are_right_to_50_digits():
 
 @pytest.mark.parametrize("u1, u2", LIMITS[:2])
 def test_derivatives_are_finite(u1, u2):
-    """On kinks and region boundaries, too."""
+    """Derivatives are finite on kinks and region boundaries, too."""
     with mp.workdps(50):
         for c, v in points(u1, u2, 300):
             assert np.isfinite(SLOPES(c, v, u1, u2).full()).all(), (c, v)

@@ -1,4 +1,4 @@
-"""The band: its tables against step responses, and what it refuses."""
+"""The band filter: its tables against step responses, and the cases that it refuses."""
 
 import itertools
 from functools import cache

@@ -1,4 +1,4 @@
-"""What a wheel's rim may do, by what both axes may: half a track apart, all counts."""
+"""Bounds of a wheel's rim follow from those of both axes, with half a track as the arm."""
 
 import casadi as ca
 import numpy as np

@@ -62,7 +62,10 @@ def test_swings_are_enclosed_on_both_sides_of_critical_damping(enclosure, ball, 
 
 @pytest.mark.filterwarnings("ignore:(overflow|invalid value) encountered in nextafter")
 def test_the_next_doubles_are_numpys():
-    """Of all bits, signs and ends of doubles; few and many numbers, whole arrays and parts."""
+    """The next doubles equal NumPy's for random bits, both signs, infinities and NaN.
+
+    The arrays are long, short, strided and broadcast.
+    """
     bits = np.random.default_rng(0).integers(-(2**63), 2**63 - 1, 3000)
     ends = np.array(
         [0.0, 5e-324, 2.2250738585072014e-308, 1.0, np.finfo(float).max, np.inf, np.nan]

@@ -1,4 +1,4 @@
-"""The command filter: its limit against an adversary, what it admits, and what it says."""
+"""The command filter: its limit against an adversary, the commands it admits, and its messages."""
 
 import copy
 import math
@@ -133,9 +133,9 @@ def test_odometry_that_contradicts_the_bounds_is_told_and_the_clip_acts():
 
 @pytest.mark.parametrize("seed", range(4))
 def test_on_the_rim_of_its_bounds_rounding_stops_no_base(seed):
-    """Gain, push, time constant and odometry's error exactly at an end of what is stated.
+    """Rounding stops no base with gain, push, time constant and odometry error at their bounds.
 
-    The base moves by its own exact solution, and the weakest comes to rest where `check` says.
+    The base moves by its exact solution, and the weakest base reaches the usable speed.
     """
     draw = np.random.default_rng(seed)
     tau, d = np.sort(draw.uniform(0.05, 0.5, 2)), draw.uniform(0, 0.1, 2)
@@ -223,7 +223,7 @@ def test_what_is_no_pair_is_refused_by_name(asked):
 )
 @pytest.mark.parametrize("scale", ["curvature", "turn", "drive"])
 def test_wheels_are_limited_where_they_are_told_of(kind, stated, loops, keeps, scale):
-    """Those of loops that differ only if each has its channel."""
+    """Wheels with different loops keep their limits only if the filter has channels for wheels."""
     told = told_of(kind, Base(loops=loops), stated, scale)
     worst = fastest(told, Base(loops=loops), trials=60, samples=60).max()
     assert worst > 0.95

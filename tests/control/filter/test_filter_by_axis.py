@@ -1,4 +1,4 @@
-"""Bounds of v and of omega, each for itself: what each axis may do is what it may do alone."""
+"""Bounds of v and of omega stated separately: each axis gets the commands it would get alone."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ AXES = np.eye(2)
 
 
 def alone(stated, axis):
-    """What is stated of an axis, for both."""
+    """Return the bounds stated for one axis, used for both axes."""
     return {
         name: value[axis] if isinstance(value, tuple) and not isinstance(value[0], float) else value
         for name, value in stated.items()

@@ -160,7 +160,10 @@ int main(void)
 
 @pytest.mark.slow
 def test_a_single_precision_exponential_is_as_right_as_its_comment_says(tmp_path):
-    """From the smallest float to where it overflows, at the ends, and where it is worst."""
+    """The float expm1 of the C code is within 1.3 ulp, from the smallest float to overflow.
+
+    The arguments include the known worst ones, both zeros, infinities and NaN.
+    """
     sizes = 10 ** np.random.default_rng(0).uniform(-45, 1.94, 4000)
     worst = [float.fromhex("0x1.125cf2p+4"), float.fromhex("0x1.63a7bap-2"), 17.5, 3e-8, 88.7228]
     size = np.float32([*sizes, *worst, 0.0, 89.0, 1e30, math.inf])
@@ -232,7 +235,7 @@ def test_a_limit_of_wheels_is_lowered_in_single_precision():
 )
 @pytest.mark.slow_but("clip-False", "clip-True")
 def test_misuse_gives_a_safe_command_and_its_flag(name, float32, tmp_path):
-    """As the graph says: what is no number is asked for as 0, which slew brings about."""
+    """The C filter does as the graph does: a refused command means 0, within the slew limits."""
     settings = load_scenario("paper-simulation", FILTERS[name])
     lines = [
         built(MISUSED, tmp_path, settings, f"-DWRONG={wrong}", float32=float32)

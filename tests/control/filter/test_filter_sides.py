@@ -1,4 +1,4 @@
-"""A limit of each direction: what the filter sends, and what it refuses."""
+"""A limit for each direction: the commands the filter sends, and the cases it refuses."""
 
 import numpy as np
 import pytest

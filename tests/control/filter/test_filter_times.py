@@ -16,7 +16,10 @@ FREE = {"kind": "band", "push": (0.0, 0.0)}
 
 
 def sent_at(limit, since):
-    """Commands for steps that ask for all, told ``since`` [s] the one before; which are late."""
+    """Return the commands v sent for a request of 9 m/s at each step, and which steps are late.
+
+    ``since``: time [s] since the step before, for each step.
+    """
     limit.start()
     made = [limit.step((9.0, 0.0), dt=time) for time in since]
     return np.array([m.command[0] for m in made]), np.array(["late" in m.flags for m in made])
@@ -83,7 +86,7 @@ def test_a_stop_comes_however_wrong_the_period_is(share):
 
 
 def test_after_untimely_steps_all_is_as_it_would_be():
-    """A clock that stood still or went back, and what is no number, count as no time at all."""
+    """The filter recovers after late steps: ``dt`` zero, negative, NaN, too short or too long."""
     limit = command_filter(scenario(**FREE))
     for _ in range(100):
         before = limit.step((9.0, 0.0)).command[0]

@@ -1,4 +1,4 @@
-"""What a filter hears: young odometry and distances, samples in time."""
+"""Inputs that a filter uses: odometry and free distances while young, and samples in time."""
 
 import casadi as ca
 import numpy as np

@@ -211,7 +211,10 @@ def told(stated):
 @pytest.mark.parametrize("stated, asked", [(CLIP, TURNED), (GOVERNOR, SWAYED)])
 @pytest.mark.parametrize("mu, h", [(0.1, 0.001), (0.02, 0.005), (0.1, 0.01)])
 def test_what_counts_for_friction_at_a_rim_is_enough(stated, asked, mu, h):
-    """Behind a clip and behind a governor, whose commands may be far beyond V."""
+    """The proposed ``filter.d`` covers friction at a rim, for a clip and for a governor.
+
+    A governor's commands may be far beyond V.
+    """
     run = limited(stated, mu, h)
     enough = override(run, {"filter.d": [told(run), 0.0]})
     settle(enough, "kanayama")
@@ -236,7 +239,10 @@ def test_what_a_governor_of_rims_counts_on_with_friction_is_refused_where_it_fai
 
 
 def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_filter():
-    """With steps of 10 ms and mu = 0.6 a clip's base came to 1.27 of a limit of 1 cm/s."""
+    """Friction too steep for the plant step is refused, and the proposed step is accepted.
+
+    With steps of 10 ms and mu = 0.6, a base behind a clip reached 1.27 times a limit of 1 cm/s.
+    """
     steep = changes("filter.kind = clip; robot.mu = 0.6; clock.plant = 0.01")
     stated = based({**VELOCITY, **steep, "base.gain": [1.0, 1.0]})
     with pytest.raises(ScenarioError, match="throw v beyond its command near rest") as refused:

@@ -1,4 +1,4 @@
-"""What a run of a base breaks of a filter's hypotheses."""
+"""Hypotheses of a filter that a run of its base breaks."""
 
 from tests.control.filter.test_peak_gain import scenario
 from tests.tables import changes

@@ -161,7 +161,7 @@ def exact_gain(b, drag):
 
 
 def exact_push(k, s):
-    """What a push of 1 N leads to, k = kp + c and s = sqrt(ki M)."""
+    """Largest velocity [m/s] that pushes up to 1 N can cause; k = kp + c and s = sqrt(ki M)."""
     k, s = flint.arb(k), flint.arb(s)
     z = k / (2 * s)
     w = abs(1 - z * z).sqrt()

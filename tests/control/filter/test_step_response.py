@@ -53,7 +53,7 @@ def test_a_slew_that_cannot_be_counted_on_is_refused(stated, words):
 
 @pytest.mark.slow
 def test_loops_of_two_parts_that_differ_too_much_are_refused_with_what_helps():
-    """What this one swings, 0.01 s, was told as none, its numbers being beyond all others."""
+    """Loops with two very different poles are refused; a swing of 0.01 s was once reported as 0."""
 
     def cells(kp, ki):
         return pi_cells(PiLoop((55.0, 55.0), (kp, kp), (ki, ki), (0.0, 0.0)))

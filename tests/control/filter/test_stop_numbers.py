@@ -40,7 +40,10 @@ RAMPS = {**changes("filter.kind = clip; filter.decel = [1.0, 2.0]"), "filter.tau
 
 
 def test_a_stop_is_made_of_its_parts():
-    """By hand: 0.08 s late, a speed of 0.95 m/s fades for 1 s, a push of 0.05 m/s for 1 s."""
+    """The parts of a stop equal a calculation by hand.
+
+    The stop is 0.08 s late; a speed of 0.95 m/s fades and a push of 0.05 m/s acts for 1 s.
+    """
     stop = stopping(override(SCENARIO, {"filter.leave": 0}), 1.0)
     brake = 0.95 * 0.3 * (1 - math.exp(-1 / 0.3))
     assert (stop.delay, stop.push, stop.brake, stop.error) == pytest.approx(

@@ -75,9 +75,9 @@ def test_rest_is_known_only_after_the_brake_has_closed(jitter, time, steps):
 
 
 def twins(told, count, seed=0):
-    """A drive of a base that K, push and things ahead and behind stay the same for, step by step.
+    """Drive a base with constant gain, push and obstacles ahead and behind; yield every step.
 
-    Its filter, the filter's memory, the command asked for, further arguments, what was sent.
+    A step is the filter, its memory, the requested command, further arguments, the command sent.
     """
     filtered, draw = CommandFilter(told.scenario()), np.random.default_rng(seed)
     v, x, asked = np.zeros(2), 0.0, (1.0, 0.0)

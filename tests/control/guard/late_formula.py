@@ -110,7 +110,10 @@ class LateGuard:
 
     @property
     def tail_unit(self):
-        """What the product keeps for a tail of 1: behind a constant lag, what is left of it [s]."""
+        """Number that the product stores for a tail of 1.
+
+        Behind a constant lag, it is the remaining time integral of that tail [s].
+        """
         if self.fast is not None:
             return 1.0
         return self.lag * math.exp((self.hi + self.L - self.n * self.T) / self.lag)
@@ -159,7 +162,7 @@ class LateGuard:
         )
 
     def _integral(self, at, begin, end, averaged):
-        """Of what ``at`` gives with the share of ages that count, cut where that has a corner."""
+        """Integrate ``at`` times the share of ages that count, in pieces between its corners."""
         cuts = sorted({begin, end, *(s for s in (self.age, self.L) if end < s < begin)})
         total = 0.0
         for low, high in pairwise(cuts):

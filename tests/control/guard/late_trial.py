@@ -47,7 +47,7 @@ class Case:
     tau_max: float | None = None
 
     def formula(self, axis):
-        """The same numbers for the formula in NumPy; the limit is shrunk as the product's."""
+        """This case's numbers for the formula in NumPy; the limit is shrunk as in the product."""
         setup, share = settled(self), (1.0, 0.2)[axis]
         stated = setup.guard
         count = max(item.roundings for item in stated.lateness(setup.scenario.clock))
@@ -96,7 +96,7 @@ def settled(case):
 
 @lru_cache(maxsize=512)
 def composed(case):
-    """The guard of a case, and what it does with a sample: next state, torques, what is watched."""
+    """Return the guard of a case and its function: next state, torques and diagnostics."""
     system = guard_system(settled(case))
     return system, system.function("guard", [*map(ca.densify, (system.update, system.y, system.d))])
 

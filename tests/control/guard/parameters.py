@@ -4,7 +4,7 @@ import numpy as np
 
 
 def feasible_with(item, factors):
-    """What the guard says of itself with parameters multiplied."""
+    """Return the guard's feasibility flag with some parameters multiplied by ``factors``."""
     names = [name for port in item.params for name in port.signal.elements]
     p = np.array(item.p0)
     for key, factor in factors.items():

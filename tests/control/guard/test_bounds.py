@@ -45,7 +45,7 @@ EFFECTS = changes("""
 
 @pytest.mark.parametrize("true", TRUE)
 def test_no_number_follows_the_true_robot(true):
-    """What the guard counts on is what is believed, whatever drives below it."""
+    """The guard's numbers follow from the believed robot, whichever robot is driven."""
     believed = {"model.m": 30.0, "model.I": 3.0, "model.mu": 0.05, **EFFECTS}
     guard = derived(**believed, **true)
 
@@ -65,7 +65,10 @@ def late(**changed):
 
 @pytest.mark.parametrize("i", [0, 1])
 def test_what_effects_add_to_a_mass_widens_what_is_counted(i):
-    """By as much on both sides, and nothing where a mass is stated."""
+    """The mass that effects add widens derived mass bounds equally on both sides.
+
+    Stated mass bounds stay as they are.
+    """
     scenario, guard = late()
     alone = derived_guard(scenario, replace(LATE, mass=(0.0, 0.0)), math.inf)
     _, stated = late(**changes("guard.M_min = [40.0, 4.0]; guard.M_max = [60.0, 6.5]"))
@@ -92,7 +95,7 @@ def test_the_speed_that_no_guard_beats_counts_each_part(i):
     [(0.5, (20.0, 3.0)), (3.0, (28.4, 7.9)), (8.0, (58.4, 25.4)), (1e3, (532.63158, 106.21875))],
 )
 def test_brakes_hold_against_pushes_and_share_what_else_the_wheels_give(tau_max, brake):
-    """At most as hard as each axis may brake: its reach less its push."""
+    """No axis brakes harder than its reach less its push."""
     scenario = load_scenario("far-start", {**ON, "guard.brake_share": 0.3})
 
     assert derived_guard(scenario, LATE, tau_max).brake == pytest.approx(brake, rel=1e-6)
@@ -170,7 +173,10 @@ def test_reach_is_what_the_graph_brakes_with_and_what_holds_against(changed):
 
 @pytest.mark.parametrize("i", [0, 1])
 def test_at_the_usable_speed_the_graph_s_ceiling_is_the_friction(i):
-    """Of a robot that has driven so all along, with every command in flight as large."""
+    """The ceiling equals the friction for a robot that has long driven at the usable speed.
+
+    All commands in transit equal the friction, too.
+    """
     setup, late, axes, numbers = graphed()
     friction = (39.24, 2.0)
     b, speed = axes[i], usable_speed(setup.scenario, setup.guard, friction)[i]

@@ -1,4 +1,4 @@
-"""Bounds that a scenario states and itself breaks: refused with the guard on, else told."""
+"""Stated bounds that the scenario breaks are refused with the guard on, otherwise reported."""
 
 import re
 

@@ -39,7 +39,10 @@ def test_commands_under_way_push_by_the_time_that_they_act():
 
 
 def test_condition_is_the_necessary_one():
-    """With alpha = 1/T it is 2 dbar (T + delay) <= M_min v_u1: accepted at the edge, not beyond."""
+    """The guard accepts 2 dbar (T + delay) <= M_min v_u1 at the edge and refuses it beyond.
+
+    This is the condition for alpha = 1/T.
+    """
     edge = 45.0 / (2 * 0.05)
     for factor, possible in ((1 - 1e-9, True), (1 + 1e-9, False)):
         stated = {"guard.dbar": [factor * edge, 1.0], "guard.trust": True}

@@ -1,4 +1,4 @@
-"""Bounds of the guard at their ends: what is proposed is accepted, and a little less is not."""
+"""Bounds of the guard at their ends: a proposed value is accepted, a slightly smaller one not."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The monitor of unguarded runs: what it reveals, and that it never accuses what holds."""
+"""The monitor of unguarded runs reveals broken bounds and never accuses bounds that hold."""
 
 from dataclasses import replace
 from types import SimpleNamespace

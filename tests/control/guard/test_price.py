@@ -1,4 +1,4 @@
-"""What the guard costs: steady speeds that it leaves."""
+"""The price of the guard: the steady speeds that remain usable."""
 
 from dataclasses import replace
 

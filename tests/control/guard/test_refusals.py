@@ -62,7 +62,10 @@ def test_a_command_may_take_over_one_period_late_and_no_later(beyond):
 
 @pytest.mark.parametrize("late", [{"age": (0.01, 0.0)}, {"window": (0.01, 0.0)}])
 def test_a_moving_start_needs_a_velocity_that_is_not_late(late):
-    """On that axis: the other may be late."""
+    """A moving start is refused where the velocity of the same axis is late.
+
+    The velocity of the other axis may be late.
+    """
     moving, turning = (
         load_scenario("far-start", {**ON, "initial.velocity": start})
         for start in ([0.5, 0], [0, 1])
@@ -73,7 +76,7 @@ def test_a_moving_start_needs_a_velocity_that_is_not_late(late):
 
 
 def reads_the_limit(share):
-    """The bound of drives that push with a share of what the wheels can give."""
+    """Return a bound on pushes that includes a share of the wheels' largest force."""
     return lambda scenario: Bound(
         dbar=(60.0 + share * 2 * scenario.actuator.tau_max / scenario.robot.r, 15.0)
     )
@@ -136,7 +139,10 @@ def test_defaults_follow_from_the_scenario():
     ],
 )
 def test_every_number_that_is_proposed_is_enough_as_it_is_printed(changed):
-    """By whichever key; what bounds must be true of the scenario is said of the scenario."""
+    """Every proposed number suffices as printed, for every key.
+
+    Numbers about the scenario itself (sum of pushes, mass of the robot) suffice as well.
+    """
 
     def told(more):
         try:
@@ -180,7 +186,10 @@ def test_every_number_that_is_proposed_is_enough_as_it_is_printed(changed):
     """),
 )
 def test_the_delay_that_is_said_to_be_short_enough_is(late, said, spared):
-    """All that delays a command counts, in whole plant steps; what the guard is told, first."""
+    """The longest delay that the message names is accepted.
+
+    It includes all delays of a command, in whole plant steps. A stated ``guard.delay`` comes first.
+    """
 
     def settled(delay):
         given = changes(late.format(round(delay - float(spared), 9)))

@@ -24,7 +24,7 @@ def graph(law, **changed):
 
 
 def at(system, given, memory=None):
-    """Output and next memory for inputs and memory by name; what is not named is 0."""
+    """Return output and next memory for inputs and memory given by name; omitted values are 0."""
     u = [given.get(name, 0.0) for item in system.inputs for name in item.signal.elements]
     x = [number for item in system.state
          for number in (memory or {}).get(item.signal.name, [0.0] * item.signal.size)]  # fmt: skip

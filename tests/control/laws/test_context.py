@@ -1,4 +1,4 @@
-"""What a law is given at a control sample."""
+"""The context that a law receives at a control sample."""
 
 import casadi as ca
 import pytest

@@ -63,7 +63,10 @@ def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed(
 @pytest.mark.parametrize("share", [0.5, 1.0, 1.5])
 @pytest.mark.slow_but("1.0-kanayama", "1.5-prox")
 def test_gains_that_know_no_delay_stand_it_if_it_is_predicted(law, share):
-    """The slowest pole stays that of no delay, where without prediction it comes near 1."""
+    """Prediction keeps the spectral radius within 0.02 of the loop without delay.
+
+    Without prediction, a delay of 0.15 s makes the radius exceed 1.
+    """
     at_once = radius(late(law, 0.0), law)
 
     assert radius(late(law, share), law) == pytest.approx(at_once, abs=2e-2)

@@ -43,7 +43,7 @@ def test_resolvent_does_not_expand_and_stays_inside(smooth):
 
 
 def test_a_step_divides_v1_by_at_least_exp_rho_t():
-    """With the target at rest V1(v+) <= E^2 V1(v), and equal where there is no barrier."""
+    """V1(v+) <= E^2 V1(v) holds for a target at rest, with equality without a barrier."""
     draw = np.random.default_rng(4)
     for _ in range(500):
         here, start, keep = targets(draw, 1)[0], draw.uniform(-0.999, 0.999), draw.uniform(0.003, 1)

@@ -1,4 +1,4 @@
-"""What is too large is refused by what it says of itself, before it is counted or unpacked."""
+"""Oversized data is refused by the size it declares, before it is counted or unpacked."""
 
 import io
 import zipfile

@@ -1,4 +1,4 @@
-"""Desired trajectories: what a wheeled robot can follow, and that the velocities belong to it."""
+"""A wheeled robot can follow the desired trajectories, and their velocities match their poses."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Waypoints: what is left out, closed paths, and the end."""
+"""Waypoints: points that are left out, and closed paths."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Robot files are told apart by what is in them."""
+"""Robot files are recognised by their content."""
 
 import pytest
 

@@ -156,7 +156,7 @@ def assert_refused(tmp_path, text, words, name):
 
 
 def times_refused(tmp_path, whole, pieces, name):
-    """How often a file is refused of which a random place is cut or altered, of 300."""
+    """Return how many of 300 files are refused after a random place is cut or altered."""
     chance, refused = random.Random(0), 0
     for _ in range(300):
         place = chance.randrange(len(whole))

@@ -1,4 +1,4 @@
-"""The Scenario itself: its tables, its gains, and what follows from its fields."""
+"""The Scenario: its tables, its gains, and the values derived from its fields."""
 
 import pytest
 

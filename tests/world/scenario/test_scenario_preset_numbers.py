@@ -1,7 +1,7 @@
-"""What the files of presets state, as `presets.txt` has it.
+"""The files of presets state the numbers listed in `presets.txt`.
 
-After a change that is meant, `python -m tests.world.scenario.test_scenario_preset_numbers` writes
-the list anew.
+After an intended change, `python -m tests.world.scenario.test_scenario_preset_numbers` writes
+the list again.
 """
 
 import tomllib
@@ -14,7 +14,7 @@ LIST = Path(__file__).with_name("presets.txt")
 
 
 def tables(place, content):
-    """A line a table: what it states by itself, then those within."""
+    """Yield one line per table: its own values first, then the tables within it."""
     own = {key: value for key, value in content.items() if not isinstance(value, dict)}
     if own:
         yield f"{place}: {', '.join(f'{key} = {value}' for key, value in own.items())}"

@@ -1,6 +1,7 @@
-"""Every key's default, unit and range as `keys.txt` has them: what a file that leaves it out means.
+"""Every key has the default, unit and range listed in `keys.txt`.
 
-After a change that is meant, `python -m tests.world.scenario.test_sections` writes the list anew.
+So a file that leaves a key out keeps its meaning. After an intended change,
+`python -m tests.world.scenario.test_sections` writes the list again.
 """
 
 from pathlib import Path
@@ -31,7 +32,7 @@ def is_ours(section):
 
 
 def line(key, what):
-    """A key as a reader would state it: default, unit, and what else it may be."""
+    """Describe a key in one line: its default, its unit, and the other values it may have."""
     ends = {n: getattr(what.bounds, n) for n in ("above", "minimum", "below", "maximum")}
     said = [f"{name} {end:g}" for name, end in ends.items() if end is not None]
     said += ["or inf"] * what.bounds.infinite

@@ -1,4 +1,4 @@
-"""Limits of both directions: what follows where they are left out, and what is refused."""
+"""Limits of both directions: omitted ones are derived, and impossible ones are refused."""
 
 import pytest
 

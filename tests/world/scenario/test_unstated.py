@@ -1,4 +1,4 @@
-"""What must be stated is asked for at once; what is not known does not matter; the rest follows."""
+"""Missing keys are requested together; unknown values change no motion; the rest is derived."""
 
 import re
 from contextlib import nullcontext
