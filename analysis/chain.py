@@ -1,4 +1,4 @@
-"""From a promise to what holds it up: the chain of docs/explanation/proved.md, and its picture.
+"""Chain from a promise to the claims behind it, as in docs/explanation/proved.md, and its picture.
 
 Each link is a sentence and the entries of the ledger that are that sentence; verdicts are read from
 the committed record, so that the picture cannot say more than it.

@@ -71,7 +71,7 @@ def runs(law: str, cases: Mapping[str, Mapping[str, object]], **options: object)
 
 
 def limits() -> Figure:
-    """What is aimed at over what is asked for; v1 for three thresholds."""
+    """Plot the target velocity over the demanded one, and v1 of a run, for three thresholds."""
     figure, left, right = pair("v_u1 = 1 m/s", "prox from the paper's start")
     c, u2 = ca.SX.sym("c"), ca.SX.sym("u2")
     aimed = ca.Function("aimed", [c, u2], [stable_minimiser(c, ca.SX(1.0), u2)])

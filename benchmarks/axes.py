@@ -34,7 +34,7 @@ SKIDS = {"filter.gain": ((0.95, 1.05), (0.8, 1.5))}
 
 @dataclass(frozen=True)
 class Case:
-    """A base: its scenario, what is stated for both axes and for each, and the axis that counts.
+    """A base: its scenario, numbers stated for both axes and for each, and the axis that is judged.
 
     ``gain`` and ``tau`` [s] are those of the base that is driven, ``late`` [s] its delay.
     """

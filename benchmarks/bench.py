@@ -27,7 +27,7 @@ CONTROL = 1e-3
 
 @dataclass(frozen=True)
 class Ratio:
-    """A named ratio of two candidates, with what it should be at most (or at least)."""
+    """A named ratio of two candidates, with its target (at most, or at least)."""
 
     key: str
     above: str

@@ -37,7 +37,7 @@ def ours(out: Path, jobs: int | None, quick: bool, progress: Progress | None) ->
 
 
 def physics(out: Path, jobs: int | None, quick: bool, progress: Progress | None) -> str:
-    """The same cases on the plane model and on the rigid body; what tyres ought to do."""
+    """Compare the plane model with the rigid body on equal cases, with claims about tyres."""
     seeds = tyre_runs.RIGID_SEEDS[: 1 if quick else None]
     rows = tyre_runs.run_rigid_comparison(seeds, jobs, progress).table
     write_runs(out / FILES["physics"][0], rows, ("plant",), tyre_runs.COMPARED)

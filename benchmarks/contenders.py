@@ -51,7 +51,7 @@ class Case:
 
     @property
     def scenario(self) -> Scenario:
-        """What contenders are told."""
+        """Scenario that contenders receive."""
         return scenario_of(
             "safe-simulation",
             {
@@ -119,7 +119,7 @@ def nominal_ceiling(case: Case, v: Floats) -> Floats:
 
 
 def sampled_ceiling(case: Case, v: Floats) -> Floats:
-    """The same for the worst robot and push, less the margin for a force held over T + delay."""
+    """Largest force for the worst robot and push, less a margin for a force held T + delay."""
     speed = (np.array((PHI, TRACK * PHI)) + DBAR) / LOW
     room = LIMIT - v - (case.period + case.delay) * speed
     return np.where(room >= 0, LOW, HIGH) / case.period * room - DBAR
@@ -224,9 +224,9 @@ def contenders() -> tuple[Contender, ...]:
 
 
 def _start(name: str, case: Case) -> dict[str, tuple[float, ...]]:
-    """Gains to start from: poles placed for the period; else those of the preset.
+    """Initial gains: poles placed for the period, or the preset's gains where no pole is placed.
 
-    Those of prox are 1.4 times as fast, which its step towards the next target stands.
+    The poles of prox are 1.4 times as fast, which its step towards the next target tolerates.
     """
     T, late = case.period, max(case.period, 2 * case.delay)
     faster = 1.4 if name == "prox" else 1.0

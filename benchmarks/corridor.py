@@ -187,7 +187,7 @@ def row(case: Case, runs: int) -> str:
 
 
 def table(runs: int) -> str:
-    """The whole table, and what was run for it."""
+    """The whole table, and a sentence on the runs behind it."""
     rows = []
     for case in CASES:
         rows.append(row(case, runs))

@@ -54,7 +54,7 @@ def compiled_law(law: str) -> CompiledLoop:
 
 
 def inputs_of(law: str) -> Array:
-    """The ring of tracking inputs, with zeros for what a law is given beside (torque applied)."""
+    """Ring of tracking inputs, padded with zeros for a law's other inputs (torque applied)."""
     rows = tracking_rows()
     width = len(elements(compiled(law).law.inputs))
     return np.pad(rows, ((0, 0), (0, width - rows.shape[1])))

@@ -120,7 +120,7 @@ def speed(million: int = MILLION) -> Iterator[str]:
 
 
 def peers() -> Iterator[str]:
-    """The same graphs as a scan of JAX."""
+    """Pace of JAX with these graphs as a scan, in one line per batch size."""
     try:
         from benchmarks.jax_loop import pace
     except ImportError:

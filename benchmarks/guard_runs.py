@@ -1,4 +1,5 @@
-"""Beyond the paper: every law with and without the guard, one factor at a time around two bases.
+"""Comparison beyond the paper: every law with and without the guard, one factor at a time around
+two bases.
 
 Both bases are the paper's simulation with its noise cut at 3 standard deviations; one holds the
 torque for 10 ms, the other for 100 ms.  The seeds were not used to choose anything.

@@ -43,7 +43,7 @@ NEAR, NEAR_SECONDS, TOLERATED = 0.01, 1.5e-3, 1.001
 
 @dataclass
 class Score:
-    """What one log told: determined intervals and those that miss; largest speed over its limit."""
+    """Findings from one log: determined and missed intervals; largest speed over its limit."""
 
     kind: str
     seed: int = 0
@@ -60,7 +60,7 @@ class Score:
 
 
 def truths(truth: Truth, axis: int, most: float) -> dict[str, set[float]]:
-    """What a parameter of an axis may be: more than one where it is not one number."""
+    """True values of an axis's parameters, by name; several if a parameter is not one number."""
     a = truth.axes[axis]
     then = truth.then[2] if truth.then and truth.then[1] == axis else 1.0
     gains = {a.gain * g * f for g, f in product((1.0, a.back), (1.0, then))}
@@ -151,7 +151,7 @@ def over_release(scores: Sequence[Score]) -> dict[str, float]:
 
 
 def summary(scores: Sequence[Score]) -> dict[str, object]:
-    """The four numbers, and what they are made of."""
+    """The four figures, and the counts behind them."""
     good = [item for item in scores if item.kind in GOOD]
     determined = sum(item.determined for item in scores)
     wrong = [name for item in scores for name in item.missed]

@@ -83,7 +83,7 @@ def own_logs(case: str, count: int) -> Iterator[tuple[Found, Mapping[str, float]
 
 
 def base_logs(case: str, count: int) -> Iterator[tuple[Found, Mapping[str, float]]]:
-    """The same of bases that take velocities."""
+    """Identifications of logs of bases that take velocities, with the truth."""
     base = BASES[case]
     names = {"first-order": ("gain", "tau"), "pi": ("wn", "zeta"),
              "second-order": ("gain", "wn", "zeta")}[base.loop]  # fmt: skip
@@ -100,7 +100,7 @@ def base_logs(case: str, count: int) -> Iterator[tuple[Found, Mapping[str, float
 def product_logs(
     case: str, count: int, body: bool = False
 ) -> Iterator[tuple[Found, Mapping[str, float]]]:
-    """The same of runs of the product, on the plane or as a rigid body on tyres.
+    """Identifications of the product's runs, on the plane or as a rigid body, with the truth.
 
     Wheels that turn count twice: with their inertia about the axle, too.
     """
@@ -132,7 +132,7 @@ def tried(
 
 
 def covered(case: str, count: int) -> dict[str, object]:
-    """How many of the logs' intervals hold the truth, by parameter, and what else happened."""
+    """Number of the logs' intervals that hold the truth, by parameter, and other outcomes."""
     plant, _, name = case.partition(":")
     if plant in ("product", "body"):
         logs = product_logs(name, count, plant == "body")

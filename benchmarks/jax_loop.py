@@ -1,4 +1,4 @@
-"""The same closed loop as a scan of JAX: the same graphs, written as operations of jax.numpy.
+"""Closed loop as a scan of JAX: the same graphs, written as operations of jax.numpy.
 
 Elementary functions are XLA's and random numbers JAX's, so it agrees with the compiled loop but for
 rounding and draws.  It sums what `benchmarks.gpu` asks of a study: squared position errors, and
@@ -60,9 +60,9 @@ def evaluated(graph: Graph, outputs: Sequence[str], given: dict[str, Vector]) ->
 
 
 def run_of(scenario: str, law: str) -> Callable[[Any], Any]:
-    """From a key of JAX to (sum of squared position errors, steps beyond a limit) of one run.
+    """Function from a JAX key to (sum of squared position errors, steps beyond a limit) of a run.
 
-    For a loop whose commands are not late and whose normal draws are those that are wanted.
+    The loop's commands must not be late, and it draws only the normal numbers that are wanted.
     """
     setup = settle(scenario_of(scenario), law)
     loop, numbers = program_of(setup).loop, loop_functions(setup)
@@ -113,7 +113,7 @@ def run_of(scenario: str, law: str) -> Callable[[Any], Any]:
 
 
 def pace(scenario: str, law: str, batch: int) -> str:
-    """How long a million runs would take in batches of this size, in words."""
+    """One sentence: the time of a million runs [s] in batches of this size."""
     run = jax.jit(jax.vmap(run_of(scenario, law)))
     keys = [jax.random.split(jax.random.key(seed), batch) for seed in (0, 1)]
     start = time.perf_counter()

@@ -153,7 +153,7 @@ def pace(case: Case, contender: Contender) -> float:
 
 
 def play(case: Case, contender: Contender, budget: int = BUDGET) -> Result:
-    """Tune on the training seed, then every column on what was not trained on."""
+    """Tune on the training seed, then fill every column with cases that were not trained on."""
     circle = _rows(case, case.scenario)
     line = _rows(case, override(case.scenario, {"reference.kind": "line", "reference.speed": 2.0}))
     heavy, start = Plant(case, HEAVY), np.zeros(5)

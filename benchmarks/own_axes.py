@@ -265,6 +265,6 @@ def _columns(
 
 
 def changed(truth: Truth, **numbers: float) -> Truth:
-    """The same base with other numbers on both axes."""
+    """Truth with other numbers on both axes."""
     first, second = (replace(axis, **numbers) for axis in truth.axes)
     return replace(truth, axes=(first, second))

@@ -57,7 +57,7 @@ class Base:
         self.arrived = time.monotonic()
 
     def latency(self) -> float:
-        """From sending odometry to the next command [s]; infinite where none comes in time."""
+        """Time from sending odometry to the next command [s]; infinite if none comes in time."""
         message = Odometry(child_frame_id="base_link")
         message.header.frame_id, message.pose.pose.orientation.w = "odom", 1.0
         message.header.stamp = self.node.get_clock().now().to_msg()

@@ -1,4 +1,4 @@
-"""Numbers of one benchmark: what a law knows (`Setup`) and what is simulated (`Case`).
+"""Numbers of one benchmark: the law's knowledge (`Setup`) and the simulated case (`Case`).
 
 The defaults are the paper's simulation (Section V), so that nothing else is needed to build and
 check the floor; `from_scenario` takes a Scenario's numbers instead.

@@ -118,7 +118,7 @@ def measure_in_processes(
     progress: Progress | None = None,
     failed: dict[str, str] | None = None,
 ) -> dict[str, Timing]:
-    """Do the same in fresh processes, one after the other, and pool the rounds.
+    """Measure candidates in fresh processes, one after the other, and pool the rounds.
 
     Memory layout differs from process to process and can cost more than the rounds' spread
     shows.  ``factory`` is a module-level function that builds the candidates in each process.

@@ -46,7 +46,7 @@ class Cell:
 
     @property
     def text(self) -> str:
-        """In mm."""
+        """RMS and worst distance [mm], with the number of lost runs."""
         lost = f" ({self.lost} lost)" if self.lost else ""
         return f"{1e3 * self.rms:.3g}, {1e3 * self.worst:.3g}{lost}"
 

@@ -1,4 +1,4 @@
-"""What a run's verdict is worth: remarks against labels by a written rule on columns.
+"""Worth of a run's verdict: remarks against labels by a written rule on columns.
 
 ``python -m benchmarks.verdicts [--runs 310] [--out docs/verdicts.md]``.  Random scenarios over
 laws, presets, periods, encoders, windows, lags, delays, noise, masses, torque limits and references
@@ -40,7 +40,7 @@ PATHS = (
 
 @dataclass(frozen=True)
 class Trial:
-    """A numbered run: its preset, law, seed and what is changed of the preset."""
+    """A numbered run: its preset, law, seed and changes to the preset."""
 
     number: int
     preset: str
@@ -104,7 +104,7 @@ def _reference(draw: random.Random) -> dict[str, object]:
 
 
 def faults(run: Run, scenario: Scenario) -> Iterator[str]:
-    """What an engineer finds wrong with a run, read off its columns and its scenario's numbers.
+    """Faults that an engineer finds in a run, from its columns and its scenario's numbers.
 
     Windows: a motion without end is judged over its last half, its position over the last quarter;
     a path that stops from half of its way in time until it arrives, and afterwards.
@@ -186,7 +186,7 @@ class Judged:
 
 
 def judged(first: int, runs: int) -> Iterator[Judged]:
-    """So many runs from a number on; what is refused (a guard that cannot be) is no run."""
+    """Judge ``runs`` runs from number ``first``; an impossible scenario is skipped."""
     number, made = first, 0
     while made < runs:
         one, number = trial(number), number + 1

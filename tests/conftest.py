@@ -103,7 +103,7 @@ def every_set_of_instructions(one_set_of_instructions, monkeypatch):
 
 
 def pytest_collection_modifyitems(items):
-    """Of a test marked ``slow_but``, mark all cases slow but those that it names."""
+    """Mark all cases of a ``slow_but`` test slow, except the cases that the mark names."""
     for item in items:
         case = item.nodeid.partition("[")[2].removesuffix("]")
         for mark in item.iter_markers("slow_but"):
@@ -126,5 +126,5 @@ def pytest_collection(session):
 
 
 def pytest_collection_finish():
-    """What was imported and collected is not looked through for garbage again."""
+    """Exclude imported modules and collected tests from garbage collection."""
     gc.freeze()

@@ -1,4 +1,4 @@
-"""Whether two runs are the same in every bit."""
+"""Equality of two runs in every bit."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from wmr_ctrl.results.formats import metadata_text
 
 
 def runs_equal(run_a, run_b):
-    """True if two runs are the same in every bit, description included.
+    """True if two runs are equal in every bit, description included.
 
     Unlike with ==, a NaN equals a NaN, and 0.0 differs from -0.0.
     """

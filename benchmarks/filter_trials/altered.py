@@ -40,7 +40,7 @@ HOLD, STEADY, TAKEOVERS = Stop.hold, Stop.steady, ToldBound.takeovers
 
 @dataclass(frozen=True)
 class Altered:
-    """What stands in the place of a formula, and where it breaks how (see `stopping.breaks`)."""
+    """Formulas in place of others, their fault (see `stopping.breaks`), and drives that show it."""
 
     formulas: Mapping[tuple[Any, str], Any]
     breaks: str
@@ -126,7 +126,9 @@ WALL, LIMITS, *_ = HARD
 
 
 def _away(driver: int, **chosen: Any) -> Mapping[str, Any]:
-    """Choices of drives away from a wall; a driver who ``trusts`` goes on as long as it waited."""
+    """Choices of drives away from a wall; a driver who ``trusts`` drives for the time that it
+    waited.
+    """
     hard = {"driver": driver, "base": GREEDY, "limits": CONSTANT, "near": True, "seconds": 30.0}
     return {**hard, **chosen}
 

@@ -64,7 +64,7 @@ OFF = 1e9
 
 
 def turned(asked: Floats, sent: Floats, eps: float) -> NDArray[np.bool_]:
-    """Where a command is no share of what is asked for, but for roundings."""
+    """True where a command is not a multiple of the demand, roundings aside."""
     parts = sent[0] * asked[1], sent[1] * asked[0]
     off = np.abs(parts[0] - parts[1]) > 8 * eps * np.abs(parts).sum(axis=0)
     return (off & (np.abs(parts).max(axis=0) > 1e-25)) | (np.sum(asked[:2] * sent, axis=0) < 0)

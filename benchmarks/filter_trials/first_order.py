@@ -132,7 +132,7 @@ def alike(worlds: Sequence[Mapping[str, Any]], loops: str = "alike") -> list[Map
 
 
 def rims_broken(kind: str, **others: Any) -> dict[str, Callable[[int, int], Floats]]:
-    """Hypotheses of `filter.wheel_speed` that are broken, by what is broken."""
+    """Trials that break a hypothesis of `filter.wheel_speed`, by the broken hypothesis."""
     broken = {"push": {"d": 0.0525}, "gain": {"gain": (0.9, 1.155)}, "loops 5 % apart": UNLIKE}
     return {name: wrong(kind, {"loops": "alike"}, RIMS, **what)
             for name, what in {**broken, **others}.items()}  # fmt: skip

@@ -21,7 +21,7 @@ PARTS = 4
 
 @dataclass(frozen=True)
 class Family:
-    """Linear loops: intervals of their numbers, their push, and what the filter is told of them.
+    """Linear loops: intervals of their numbers, their push, and the values stated to the filter.
 
     ``corners``: the share of its members that lie at corners; ``error`` of the command that acts
     [m/s].
@@ -72,7 +72,7 @@ HEADINGS = np.array([(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, -3)])
 
 @dataclass(frozen=True)
 class Calls:
-    """When a filter is called, what it is told, and what lies between it and its base.
+    """Times of a filter's calls, its knowledge, and the effects between it and its base.
 
     ``when``: "in time", "at any time", within ``jitter`` [s] of its "beat", a period "apart" but
     for so much, or each so much too "early".  At most ``losses`` commands in a row are lost, all
@@ -141,7 +141,7 @@ UNTIMELY = (0.0, 0.02, 0.3, 0.9, 1.0, 1.2, 1.7, 3.0)
 
 
 class _Batch:
-    """Robots with what they ask for, how they are pushed, and when their filters are called."""
+    """Robots with their demands, their pushes, and the times of their filters' calls."""
 
     def __init__(
         self,
@@ -196,7 +196,7 @@ class _Batch:
             )
 
     def _ends(self, parts: Floats, rest: float) -> Floats:
-        """Commands that are worst for ``parts`` (robots, loops) of what the loops reach.
+        """Commands that make ``parts`` (robots, loops) of the speeds in the loops largest.
 
         Each loop is driven by its own impulse response, seen back from the end; all but the one
         that counts for most at a time go to a ``rest`` of their limit.
@@ -256,9 +256,9 @@ class _Batch:
 
 
 def _wired(send: Sender, calls: Calls, error: float, wish: Floats) -> Sender:
-    """What acts of the commands: off by ``error`` towards what is wished for, late, some lost.
+    """Commands that act: off by ``error`` towards ``wish``, late, some lost.
 
-    A command is lost, or comes late, if it may, where it leads away from what is wished for.
+    A command is lost, or comes late, if it may and if it leads away from ``wish``.
     """
     if not (error or calls.losses or calls.late or calls.parts):
         return send
@@ -294,7 +294,7 @@ def _times(rng: np.random.Generator, count: int) -> Floats:
 def _demands(
     rng: np.random.Generator, bases: Sequence[Floats], push: float, samples: int, slow: bool
 ) -> tuple[Floats, Floats, Floats]:
-    """What is asked for, how the base is pushed, and what errors seek, sample by sample.
+    """Demands, pushes of the base and directions of errors, sample by sample.
 
     By turns: the worst for the base itself seen back from the end, the same after pressing on,
     swings, chance.  The worst of ``slow`` commands rise while the step response is above its end,

@@ -272,7 +272,7 @@ REFUSED: Sequence[tuple[str, str, Family | None, Sequence[Mapping[str, Any]]]] =
 
 
 def refusals() -> str:
-    """A Markdown list of what is refused."""
+    """Markdown list of the cases in which a filter is refused."""
     return "\n".join(f"- {what}" for what, *_ in REFUSED)
 
 

@@ -46,7 +46,7 @@ APPROACH, ROOT = 1, 2
 
 @dataclass(frozen=True)
 class Base:
-    """Numbers of a base, of its wires and of what is told: bounds for a filter, or what is true.
+    """Numbers of a base and its wires: the bounds stated to a filter, or the true values.
 
     ``v`` and ``omega``: largest speed forwards and backwards, or to the left and to the right.
     ``rest`` may be `NO_BRAKE`.  With ``decel`` the base slows down by at least that [m/s2, rad/s2]
@@ -107,7 +107,9 @@ class Base:
 
 @dataclass(frozen=True)
 class Choices:
-    """What is not drawn; -1: by chance.  Fields of ``choices`` in benchmarks/filter_drives.c."""
+    """Choices of a drive; -1 leaves one to chance.  Fields of ``choices`` in
+    benchmarks/filter_drives.c.
+    """
 
     seconds: float = 20.0
     axis: int = -1
@@ -141,7 +143,9 @@ class Drives:
         self.told, self._library = told, load_filter(told.scenario(), "filter_drives")
 
     def run(self, count: int, seed: int, real: Base | None = None, **chosen: Any) -> Found:
-        """`RESULTS` of so many drives, of a base as it is told or of another."""
+        """`RESULTS` (count,) of drives of the base stated to the filter or of another
+        (``real``).
+        """
         out = np.zeros((count, len(RESULTS)))
         given = self.told.numbers, (real or self.told).numbers, Choices(**chosen).numbers
         pointers = [item.ctypes.data_as(ctypes.c_void_p) for item in given]

@@ -123,7 +123,7 @@ def executed(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_notebook_runs(name, executed):
-    """By itself, with all its facts."""
+    """The notebook runs alone and checks all its facts."""
     assert "not checked" not in executed(name)
 
 

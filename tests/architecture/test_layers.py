@@ -119,7 +119,7 @@ def test_no_file_imports_itself_by_way_of_others():
 
 
 def circle(edges):
-    """Names on circles of a graph, sorted, and what lies between circles; often none."""
+    """Names on cycles of a graph, sorted, with names between two cycles; often none."""
     left = set(edges)
     while True:
         used = {name for other in left for name in edges[other]}
@@ -180,7 +180,7 @@ def test_the_ledger_needs_the_standard_library_alone():
 
 
 def test_methods_of_proof_stand_alone():
-    """They know graphs, not robots: what they decide cannot lean on the code that they judge."""
+    """Methods know graphs, not robots, so they cannot depend on the code that they judge."""
     parts = ("methods", "graph", "relation", "statement", "regions")
     allowed = (
         *(f"wmr_proofs.{part}" for part in parts),
@@ -199,7 +199,7 @@ def test_methods_of_proof_stand_alone():
 
 
 def test_the_oracle_shares_no_code_with_what_it_checks():
-    """Its package alone, which makes a Run of what the oracle computed, uses more."""
+    """Only its package, which makes a Run of the oracle's results, imports more."""
     allowed = (
         "wmr_ctrl.core.fields",
         "wmr_ctrl.world.scenario",

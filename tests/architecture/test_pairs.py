@@ -1,4 +1,4 @@
-"""Tests and what they test: a file's test is found by its name.
+"""Tests are paired with modules by their names.
 
 The functions of ``wmr_ctrl/ROOM/NAME.py`` are called in ``tests/ROOM/test_NAME.py``.  Another file
 of tests begins with the name of a module beside the one that it is about, or with its folder's.
@@ -40,7 +40,7 @@ def test_every_module_has_its_test_and_is_called_there():
 
 
 def fault(module, path):
-    """What a module's test lacks; empty where it calls the module and asserts something."""
+    """Fault of a module's test; empty if it calls the module and asserts something."""
     if path not in parsed():
         return f"{path.relative_to(ROOT)} is missing"
     tree = parsed()[path]

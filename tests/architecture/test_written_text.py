@@ -1,4 +1,4 @@
-"""What is written in the tree speaks of the project only."""
+"""Text in the tree speaks of the project only."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""The project's files, parsed: what the architecture tests read."""
+"""Parsed files of the project, for the architecture tests."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def nodes_of(tree):
 
 @cache
 def for_typing(tree):
-    """What stands under ``if TYPE_CHECKING:`` and never runs."""
+    """Nodes under ``if TYPE_CHECKING:``, which never run."""
     guards = (node for node in nodes_of(tree) if isinstance(node, ast.If))
     asked = (node for node in guards if ast.unparse(node.test).endswith("TYPE_CHECKING"))
     return {inner for node in asked for line in node.body for inner in ast.walk(line)}
@@ -143,9 +143,9 @@ def text_files():
 
 
 def project_files(root=ROOT):
-    """What git tracks, and what is new in the project's folders; without git all in these.
+    """Files that git tracks and new ones in the project's folders; without git, all files in these.
 
-    What users' commands write beside them (reports, FMUs, scenarios of their own) is not ours.
+    Files that users' commands write beside them (reports, FMUs, scenarios) do not belong to them.
     """
     if shutil.which("git") and (root / ".git").exists():
         listed = (("--cached",), ("--others", "--exclude-standard", "--", *FOLDERS))

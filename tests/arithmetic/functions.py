@@ -46,7 +46,7 @@ def called(name, a, b=None, *, of):
 
 
 def hashes(of):
-    """What each.c makes of its own inputs: equal hashes, equal bits."""
+    """Hash of each function's results on each.c's own inputs; equal hashes mean equal bits."""
     return {name: f"{of.hash_of(ct.c_int32(place)):016x}" for place, name in enumerate(EVERY)}
 
 

@@ -105,7 +105,7 @@ def pairs(name):
 
 
 def error(found, wanted):
-    """Of a result, in units in its last place."""
+    """Error of a result, in units in its last place."""
     rounded = float(wanted)
     if math.isinf(rounded) or math.isinf(found):
         return 0.0 if rounded == found else math.inf

@@ -1,6 +1,6 @@
-"""The comparison with and without the guard: its plan, its rows, and what it finds.
+"""Comparison with and without the guard: its plan, its rows and its findings.
 
-On the cases that decide; `wmr-ctrl reproduce` runs the whole plan.
+The tests run the decisive cases; `wmr-ctrl reproduce` runs the whole plan.
 """
 
 from dataclasses import replace
@@ -50,7 +50,7 @@ TINY = comparison_plan(("smc", "prox"), bases=("10 ms",), factors=("base", WEAK)
 
 
 def shortened(plan):
-    """The same runs, for 10 s."""
+    """Shorten the planned runs to 10 s, without later changes."""
 
     def short(case):
         changes = [change for change in case.overrides.get("changes", []) if change["t"] < 10.0]

@@ -1,4 +1,4 @@
-"""The plane model beside the rigid body: which runs are made, and what is kept of them."""
+"""Plane model and rigid body: which runs are made, and which figures are kept."""
 
 import math
 

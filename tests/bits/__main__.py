@@ -18,7 +18,7 @@ from wmr_ctrl.control.laws.registry import NAMES
 
 
 def said(platform, law):
-    """What comes out of all cases of a law on a platform."""
+    """Outcome of all cases of a law on a platform, in one line."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             found = differences(platform, law, CASES, Path(folder))

@@ -1,4 +1,4 @@
-"""What is run on every platform: cases of a law, their numbers, and the bits that they leave."""
+"""Cases that run on every platform: a law, its numbers, and the bits of its result."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def case(law, name):
 
 @functools.cache
 def bits_of(law, name):
-    """Those of a case."""
+    """Bits of a law's case, computed once."""
     return case(law, name).bits()
 
 
@@ -123,7 +123,7 @@ def _spelled(value):
 
 
 def different(law, name, shown):
-    """Where bits differ first from those of a case; nothing where they do not."""
+    """First difference of ``shown`` from a case's bits, as text; empty if they are equal."""
     wanted, columns = bits_of(law, name), elements(case(law, name).compiled.layout.columns)
     if shown == wanted:
         return ""

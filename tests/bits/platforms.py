@@ -52,7 +52,7 @@ def check_tools(platform):
 
 
 def differences(platform, law, names, folder):
-    """Where a platform's bits differ from those of our library here."""
+    """Differences between a platform's bits and those of our library here, as texts."""
     runner = check_tools(platform)
     shown = ran([*runner, str(built(platform, law, names, folder))], folder)
     texts = []
@@ -82,7 +82,7 @@ def built(platform, law, names, folder):
 
 
 def ran(command, folder):
-    """What a program writes; a file takes it, since not every platform can wait for a pipe."""
+    """Output of a program, through a file, since not every platform can wait for a pipe."""
     out = folder / "bits"
     own = wine() if Path(command[0]).name in map(os.path.basename, WINE) else {}
     with out.open("wb") as file:

@@ -50,7 +50,7 @@ EVERYWHERE = {platform.name: platform for platform in HERE_NOW + ELSEWHERE}
     ],
 )
 def test_platforms_agree(name, law, tmp_path):
-    """With all effects and the guard, over 80 s.
+    """The platform gives our library's bits with all effects and the guard, over 80 s.
 
     ``python -m tests.bits`` takes every law and case on every platform.
     """

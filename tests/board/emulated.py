@@ -35,7 +35,7 @@ BOARDS = {
 
 
 def missing():
-    """What is not installed, in words; empty if both tools are there."""
+    """Sentence that names missing tools; empty if both tools are there."""
     absent = [name for name in (COMPILER, EMULATOR) if shutil.which(name) is None]
     return f"NOT RUN: {' and '.join(absent)} not installed" if absent else ""
 
@@ -109,7 +109,7 @@ class Emulated:
 
 
 class HostBuild:
-    """The same package compiled for this machine, called through ctypes."""
+    """The package compiled for this machine, called through ctypes."""
 
     def __init__(self, law, scenario, folder, *, float32):
         write_package(law, folder, scenario, float32=float32)

@@ -19,7 +19,7 @@ EXTREMES = (0.0, 1e3, -1e3, 1e7, -1e30, np.inf, np.nan)
 
 @dataclass(frozen=True)
 class Lockstep:
-    """What a loop showed.
+    """Results of a loop on the emulated board.
 
     ``worst`` is the largest difference of a torque from the host's build, relative to 1 N m + the
     torque; ``distance`` is from the desired position at the end [m]; ``stack`` is the deepest seen,

@@ -23,7 +23,7 @@ class Robot:
         return self._reference(k * self.clock.control, [], self._p).full().ravel()
 
     def inputs(self, k):
-        """What the law is given at sample k."""
+        """Inputs of the law at sample k."""
         return np.concatenate([self.reference(k), self.state])
 
     def advance(self, torque):
@@ -34,5 +34,5 @@ class Robot:
             self.velocities.append(self.state[3:])
 
     def distance(self, k):
-        """From the desired position at sample k [m]."""
+        """Distance from the desired position at sample k [m]."""
         return float(np.hypot(*(self.state[:2] - self.reference(k)[:2])))

@@ -32,7 +32,7 @@ def encoded(**more):
 
 
 def inputs_of(scenario):
-    """Names of what the package of NN takes."""
+    """Names of the inputs of NN's package."""
     return [item.signal.name for item in packaged(settle(scenario, "nn")).inputs]
 
 

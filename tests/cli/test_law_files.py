@@ -1,4 +1,4 @@
-"""Laws that a user hands over: a file with LAW, or a Law; what is wrong in one is told in words."""
+"""Laws of a user, from a file with LAW or as a Law; a sentence explains each error in one."""
 
 import numpy as np
 import pytest

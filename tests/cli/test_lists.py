@@ -207,7 +207,7 @@ def test_keys_of_what_is_switched_off_are_told(preset, idle, switch):
 
 
 def test_check_tells_keys_without_effect(wmr):
-    """Those of presets are nobody's fault: the Burger has a guard's masses, which it inherits."""
+    """Keys of presets are not reported: the Burger inherits a guard's masses without effect."""
     idle = "--set gyro.noise=0.1 --set metrics.rms_from=0.1 --set gains.mb.rho=9,9"
     short = f"check paper-simulation --law pid --set clock.duration=0.2 --set changes=[] {idle}"
     found, only = wmr(short), wmr(f"{short} --only corridor")

@@ -1,4 +1,4 @@
-"""`wmr-ctrl reproduce` and `bench`: what they are asked for, and what they answer."""
+"""`wmr-ctrl reproduce` and `bench`: the options that they pass on, and their answers."""
 
 import json
 from pathlib import Path
@@ -10,7 +10,7 @@ from wmr_ctrl import api
 
 
 class Verdicts(SimpleNamespace):
-    """What the job hands back."""
+    """Result of a made-up job."""
 
     def __init__(self, out, agrees):
         super().__init__(report=Path(out) / "report.html", as_expected=agrees)

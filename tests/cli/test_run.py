@@ -17,7 +17,7 @@ from wmr_ctrl.results import load_run, summary
 
 
 def test_json_is_the_summary_of_the_saved_run(wmr, tmp_path):
-    """By default of the paper's scenario and law."""
+    """The default scenario and law are the paper's."""
     found = wmr("run", *SHORT, "--json", "--seed", "3", "--out", tmp_path / "a.npz")
     document = json.loads(found.stdout)
     named = (document["scenario"], document["law"], document["seed"], document["engine"])
@@ -114,7 +114,9 @@ OWN_K = "note: gains.kinematics.k is stated, and law prox does not read it: here
 
 @pytest.mark.parametrize("more", ["", "[gains.prox]\nkinematics = [6.0, 196.0, 5.6]\n"])
 def test_a_file_with_the_shared_k_is_told_which_law_does_not_read_it(wmr, tmp_path, more):
-    """By run, tune and study (also for a k of the plan), unless it states the law's own as well."""
+    """Commands run, tune and study (also for a k of the plan) say so, unless the file states the
+    law's own k as well.
+    """
     path = tmp_path / "mine.toml"
     path.write_text(
         f'extends = "safe-simulation"\n[gains.kinematics]\nk = [5.0, 99.0, 3.0]\n{more}'

@@ -1,4 +1,4 @@
-"""What commands hand on to the parts that work, and what they say of what these answer."""
+"""Arguments that commands pass on, and sentences that they make of the answers."""
 
 import json
 from dataclasses import replace
@@ -41,7 +41,7 @@ def run():
 
 @pytest.fixture
 def asked(monkeypatch, run):
-    """Laws and seeds that runs were asked for; none is made."""
+    """Laws and seeds of the requested runs; `simulate` is replaced and makes none."""
     found = []
 
     def note(_, law, *, seed=0, **__):
@@ -99,7 +99,7 @@ def test_a_row_has_millimetres_then_si_units(run):
 
 
 def test_a_comparison_judges_the_drive_and_names_every_limit(run):
-    """A path that stops is at rest in its last quarter, where nothing tells laws apart."""
+    """A path that stops is at rest in its last quarter, so the drive is judged instead."""
     stops = replace(run, settings=replace(run.settings, arrival=0.1, v_u1=(0.9, 1.4)))
     text = flat(compare.comparison_text({"pid": run, "mb": stops}))
 

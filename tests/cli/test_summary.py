@@ -27,7 +27,7 @@ def run():
 
 
 def told(run, label, settings=None, **monitor):
-    """What the text has beside a label, where settings or findings are other ones."""
+    """Text of a summary beside a label, after changes to the run's settings or findings."""
     seen = replace(run.monitor, **monitor)
     other = replace(
         run,

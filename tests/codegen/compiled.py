@@ -57,7 +57,7 @@ def _callable(entry, function):
 
 
 def machine(item):
-    """The same by CasADi's list of instructions, one by one, with our elementary functions."""
+    """Evaluator that steps through CasADi's list of instructions, with our elementary functions."""
     f, calls = item.function, {op: one(name) for op, name in ELEMENTARY.items()}
     listed = [
         (f.instruction_id(k), f.instruction_output(k), f.instruction_input(k), k)

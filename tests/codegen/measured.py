@@ -72,7 +72,7 @@ VERSION = "casadi-version.txt"
 
 @dataclass(frozen=True)
 class Sizes:
-    """What the compiler tells: operations of the kernel, then bytes."""
+    """Figures from the compiler: operations of the kernel, then bytes."""
 
     operations: int
     code: int
@@ -95,7 +95,7 @@ def sizes(law, float32, preset, folder, stated=()):
 
 
 def loop_scenario(guarded):
-    """What the boards run: the paper's circle without noise or change."""
+    """Scenario of the boards: the paper's circle without noise or change."""
     return load_scenario(NOMINAL, {"guard.enabled": guarded})
 
 

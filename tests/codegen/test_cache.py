@@ -308,7 +308,7 @@ def test_a_full_disk_is_never_blamed_on_the_compiler(folder, tmp_path, monkeypat
 
 
 def test_a_folder_that_this_user_may_not_look_into_is_none(folder, monkeypatch):
-    """As of another user's home, which HOME names under sudo: a substitute serves instead."""
+    """Under sudo, HOME may name a home that raises PermissionError: a substitute serves instead."""
     plain = Path.stat
 
     def stat(path, **options):

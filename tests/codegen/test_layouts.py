@@ -175,7 +175,7 @@ def test_readme_tells_refusal_cost_and_guard(layout):
 
 
 def test_arduino_builds_the_sketch_with_two_libraries(tmp_path):
-    """By arduino-builder for an ATmega2560: a law's example, which includes the filter as well."""
+    """The tool arduino-builder builds a law's example with the filter for an ATmega2560."""
     libraries = tmp_path / "libraries"
     for law in ("nn", FILTER):
         written(law, libraries, "arduino", float32=True)

@@ -86,7 +86,7 @@ def test_torques_are_the_same_wherever_counters_begin(bits, float32, tmp_path):
 @needs_cc
 @every_counter
 def test_half_of_the_range_is_refused_once_by_name(bits, tmp_path):
-    """Either wheel: torques are 0, and the next sample counts from where that one was."""
+    """Half the range on either wheel gives torques of 0; the next sample counts from there."""
     host = HostBuild("mb", with_bits(bits, 0.0), tmp_path, float32=True)
     half = 2 ** (bits - 1)
     wanted = torques(host, np.array([(0, 0), (3, 2)]))[1]

@@ -53,7 +53,7 @@ def motions(count=40):
     [("kanayama", "governor"), ("pursuit", "clip"), ("prox", "none"), ("nn", "band")],
 )
 def test_commands_are_those_of_the_run(law, form):
-    """With nothing refused and nothing late it is the run's controller, to the bit."""
+    """If nothing is refused or late, the commands are those of the run's controller, to the bit."""
     setup = settle(burger(form), law)
     plain, packed = controller(setup), packaged(setup)
     rows = motions()
@@ -114,7 +114,7 @@ def test_package_of_a_velocity_base_passes_its_vectors(form, float32, tmp_path):
 
 
 def test_guard_acted_is_what_the_guard_did():
-    """Of a robot that takes torques: 1 in samples in which the run's guard changed the force."""
+    """If a robot takes torques, 1 marks samples in which the run's guard changed the force."""
     setup = settle(load_scenario("safe-simulation"), "prox")
     system, plain = packaged(setup), controller(setup)
     (active,) = (i.expr for i in plain.diagnostics if i.signal == GUARD_DIAGNOSTICS[0])

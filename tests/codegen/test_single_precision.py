@@ -25,7 +25,7 @@ def values(system):
 
 
 def test_only_limits_are_lowered():
-    """Of each direction by a share of the larger.
+    """Limits of each direction are lowered by a share of the larger one.
 
     The limit of v backwards stays: a push alone reaches it, so no command is sent that way.
     """

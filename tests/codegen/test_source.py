@@ -1,4 +1,4 @@
-"""Kept C text is what the emitter writes, and no trouble with the folder is an error."""
+"""Kept C text equals the emitter's text, and no trouble with the folder is an error."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""One library from several units: what is optional may fail, what is not may not."""
+"""One library from several units: optional units may fail, all others may not."""
 
 import ctypes as ct
 from dataclasses import replace
@@ -70,7 +70,7 @@ def test_any_other_failure_leaves_no_library(units, cache):
 
 
 def test_an_error_stops_the_compilers_that_still_run(tmp_path):
-    """What fails at once neither waits for what takes long nor leaves it running."""
+    """A unit that fails early neither waits for slow compilers nor leaves them running."""
     script, ended = tmp_path / "slow-cc", tmp_path / "ended"
     quick = 'case "$*" in *QUICK*) exit 1;; esac'
     script.write_text(f"#!/bin/sh\n{quick}\nsleep 20\ntouch {ended}\n")

@@ -1,4 +1,4 @@
-"""The pages of the documentation, and their blocks of code with what a page says about them.
+"""Pages of the documentation, and their blocks of code with the output that a page shows.
 
 A comment in the line above a block tells what becomes of it: ``<!-- file: NAME -->`` writes it to
 that file, ``<!-- exit: N -->`` expects another exit code than 0, ``<!-- not tried here: WHY -->``
@@ -50,7 +50,7 @@ class Block:
 
     @cached_property
     def commands(self):
-        """Commands after ``$ `` and what the page says they print."""
+        """Commands after ``$ ``, each with the output that the page shows."""
         parts = re.split(r"^\$ ", self.text, flags=re.M)[1:]
         lines = [part.partition("\n") for part in parts]
         return [(command, output) for command, _, output in lines]
@@ -69,7 +69,7 @@ class Page:
 
     @cached_property
     def text(self):
-        """All of it."""
+        """Whole text of the page."""
         return self.path.read_text("utf-8")
 
     @cached_property
@@ -96,6 +96,6 @@ def pages():
 
 
 def written_pages():
-    """Those that were written by hand with blocks to run: neither notebooks nor the ledger."""
+    """Pages written by hand, with blocks to run: neither notebooks nor the ledger."""
     made = ("docs/notebooks/", "docs/ledger.md")
     return [page for page in pages() if not page.name.startswith(made)]

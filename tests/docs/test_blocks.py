@@ -87,7 +87,7 @@ def test_pages_with_a_test_of_their_own_have_it():
 
 
 def done_by(command, folder):
-    """What a command printed: of wmr-ctrl alone in this process, of anything else in a shell.
+    """Run a command of a page: wmr-ctrl alone in this process, anything else in a shell.
 
     tests/cli has what concerns the process itself.
     """
@@ -115,7 +115,7 @@ def shell(command, folder):
 
 
 def agrees(told, printed):
-    """Whether the page says what was printed, white space aside; ... stands for anything."""
+    """True if the page shows the printed text; white space is ignored, and ... matches anything."""
     flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     return not told.strip() or doctest.OutputChecker().check_output(told, printed, flags)
 

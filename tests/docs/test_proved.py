@@ -1,4 +1,4 @@
-"""The picture of what is proved says no more than the committed ledger."""
+"""The picture of proved claims says no more than the committed ledger."""
 
 import pytest
 

@@ -102,7 +102,7 @@ def test_the_live_page_is_written_where_there_is_none(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_path):
-    """But for the live page, which takes as long as all else: tests/export/page looks at it."""
+    """The live page is left out because it is slow; tests/export/page checks it."""
     pytest.importorskip("sphinx", reason="needs the extra docs")
     out = tmp_path / "site"
     out.mkdir()

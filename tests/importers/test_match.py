@@ -22,7 +22,7 @@ def plant(tmp_path_factory):
 
 @pytest.mark.parametrize("torque, said", [(5.0, "AGREES to 1e-09"), (5.001, "DIFFERS")])
 def test_the_same_result_agrees_and_another_input_is_seen(plant, tmp_path, capsys, torque, said):
-    """By what FMPy's own command writes."""
+    """The result is in the form that FMPy's own command writes."""
     result = pytest.importorskip("fmpy").simulate_fmu(
         str(plant), stop_time=2.0, step_size=0.01, output_interval=0.01,
         start_values={"tau_right": torque, "tau_left": 4.5},
@@ -44,7 +44,7 @@ def test_what_cannot_be_compared_never_agrees(plant, tmp_path, text):
 
 
 def test_the_later_row_of_an_instant_counts(tmp_path):
-    """As of a Modelica tool, which writes the values before and after a sample."""
+    """A Modelica tool writes the values before and after a sample."""
     wanted = "time,u\n" + "".join(f"{k / 100},{k}\n" for k in range(20))
     found = "time,u\n" + "".join(f"{k / 100},{k - 1}\n{k / 100},{k}\n" for k in range(20))
     for name, text in (("wanted.csv", wanted), ("found.csv", found)):

@@ -15,7 +15,7 @@ def model_based(nominal):
 
 
 def test_deviation_grows_like_the_start_while_that_is_small(model_based):
-    """What a linear model leaves out is quadratic at first."""
+    """The error of a linear model is quadratic at first."""
     for item in model_based.laws["mb"].directions.values():
         small = (item.sizes < 0.03) & (item.sizes > 1e-3)
         shares = item.deviations[small] / item.sizes[small]

@@ -1,4 +1,4 @@
-"""Exact linearisation: closed forms, names, and what stays the same along a reference."""
+"""Exact linearisation: closed forms, names, and quantities that stay constant along a reference."""
 
 from dataclasses import replace
 

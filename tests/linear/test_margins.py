@@ -16,7 +16,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 @pytest.fixture(scope="module")
 def line(nominal):
-    """On a straight line thrust and moment are decoupled."""
+    """Nominal scenario on a straight line: thrust and moment are decoupled there."""
     return replace(nominal, reference=Line(speed=0.2))
 
 
@@ -99,7 +99,9 @@ def test_an_impossible_axis_or_period_is_refused(given, match):
 
 
 def test_margins_behind_a_delay_are_those_of_the_frequency_response():
-    """By polynomials python-control loses them: 19 states."""
+    """The loop has 19 states, so python-control's polynomials lose the margins; its frequency
+    response does not.
+    """
     late = load_scenario("paper-simulation-nominal", {"actuator.delay": 0.02})
     for axis in (0, 1):
         loop = open_loop(late, "prox", axis, period=0.01)

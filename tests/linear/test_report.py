@@ -65,7 +65,7 @@ def test_with_the_guard_the_figures_are_the_same_where_it_is_inactive(nominal, r
 
 
 def test_where_the_guard_acts_there_is_nothing_to_linearise():
-    """Beyond the speed that it leaves, the guard holds the thrust back."""
+    """The reference is faster than the guard allows, so the guard holds the thrust back."""
     beyond = {"reference.radius": 9.9, "guard.dbar": [50.0, 1.0]}
     fast = load_scenario("paper-simulation-nominal", beyond)
 

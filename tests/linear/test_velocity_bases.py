@@ -19,7 +19,7 @@ def burger():
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_gain_margin_is_the_gain_of_the_base_that_makes_it_unstable(burger, axis):
-    """Of prox, which rests on its reference whatever the gain of the base is."""
+    """The law is prox, which rests on its reference at any gain of the base."""
     margin = margins_at(burger, "prox", axis, period=T)
     gains = [margin.gain if place == axis else 1.0 for place in (0, 1)]
     there = override(burger, {"base.gain": gains})

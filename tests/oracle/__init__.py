@@ -18,7 +18,7 @@ from wmr_ctrl.simulation.runnable import assemble_run
 
 
 def simulate(scenario, law, *, seed=0, guard=None, overrides=None):
-    """One run, as `wmr_ctrl.simulate`; raises ValueError for what has no twin here."""
+    """Simulate one run, as `wmr_ctrl.simulate`; ValueError for effects without a twin here."""
     setup = settle(scenario_of(scenario, overrides, guard), law)
     drives, stated = setup.scenario.actuator, setup.scenario.guard
     guessed = stated.enabled and not setup.guard.knows_force(drives.delay, drives.lag)

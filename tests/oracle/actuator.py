@@ -18,7 +18,7 @@ class Drives:
         self.step = 0
 
     def _keep(self):
-        """Share of what acts that is left after the plant step that starts now."""
+        """Share of the acting torque that is left after the plant step that starts now."""
         if not self.settings.lag:
             return 0.0
         lag = self.settings.lag * (1.0 + float(self.spread[self.step // self.every]))

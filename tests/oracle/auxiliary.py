@@ -34,5 +34,5 @@ def auxiliary_rate(e, v, target, k):
 
 
 def reference_rate(e, target, k):
-    """What the reference's acceleration adds to that rate [m/s2, rad/s2]."""
+    """Part of that rate due to the reference's acceleration [m/s2, rad/s2]."""
     return target.v1_dot * math.cos(e[2]), target.v2_dot + k[1] * target.v1_dot * e[1]

@@ -73,7 +73,7 @@ class GuardedAxis:
 
 
 class VelocityGuard:
-    """Clips a force to what is safe, and watches whether the motion fits the bounds.
+    """Guard that clips a force to its safe range, and watches whether the motion fits the bounds.
 
     An unguarded run has one too, which only watches.
     """

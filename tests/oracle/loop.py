@@ -93,7 +93,7 @@ class _Loop:
         return right + (along + around), left + (along - around)
 
     def _force(self, sight):
-        """What the law asks for, as far as guard and wheels allow it."""
+        """Force that the law demands (thrust [N], moment [N m]), limited by guard and wheels."""
         asked = self.law.act(sight)
         if self.scenario.guard.enabled:
             return self.guard.act(asked, sight.v, sight.applied)

@@ -1,4 +1,4 @@
-"""Momentum observer of what the model does not explain, from its definition."""
+"""Momentum observer of the force that the model does not explain, from its definition."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What a law that knows its delay sees: the robot and its target one delay later."""
+"""View of a law that knows its delay: the robot and its target one delay later."""
 
 import math
 from dataclasses import astuple, replace

@@ -23,7 +23,7 @@ def circle(kind, t):
 
 
 def line(kind, t):
-    """From ``origin`` straight ahead at ``speed``."""
+    """Desired state on a line from ``origin`` straight ahead at ``speed``."""
     s = kind.speed * t
     x = kind.origin[0] - s * math.sin(kind.heading)
     y = kind.origin[1] + s * math.cos(kind.heading)

@@ -1,4 +1,4 @@
-"""What the law is shown: the pose, dead-reckoned and corrected, and the measured velocity."""
+"""Sensors of the law: the pose, dead-reckoned and corrected, and the measured velocity."""
 
 import math
 

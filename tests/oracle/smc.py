@@ -6,7 +6,7 @@ from tests.oracle.barrier import clip
 
 
 class Smc:
-    """With s = v_c0 - v: F = m^ v_c0' + F^ tanh(v/v_s) + K s + eta sat(s/boundary), per axis."""
+    """s = v_c0 - v and F = m^ v_c0' + F^ tanh(v/v_s) + K s + eta sat(s/boundary), per axis."""
 
     def __init__(self, gains, scenario):
         self.gains = gains

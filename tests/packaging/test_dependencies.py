@@ -1,4 +1,4 @@
-"""The compiler's wheel is asked for where no compiler works, and by what may go anywhere."""
+"""The compiler's wheel is required where no compiler works, and by wheels for any machine."""
 
 import importlib.util
 import shutil
@@ -24,7 +24,7 @@ def hook(monkeypatch):
 
 
 def asked(hook):
-    """What a wheel of this tree gets beside the dependencies of pyproject.toml."""
+    """Dependencies of a wheel of this tree beyond the list in pyproject.toml."""
     data = {"dependencies": []}
     hook.CompilerHook(str(ROOT), {}, None, None, "", "wheel").initialize("standard", data)
     return data["dependencies"]

@@ -1,4 +1,4 @@
-"""What is inside the archives, and that the wheel works where no source tree is near."""
+"""Contents of the archives; the wheel works where no source tree is near."""
 
 import json
 import tarfile

@@ -43,7 +43,7 @@ def test_numbers_are_exactly_those_of_the_paper():
 
 @pytest.mark.parametrize("item", equations(), ids=lambda item: str(item.number))
 def test_home_exists_and_carries_the_number(item):
-    """In its own docstring; a claim's function has it in its row, and its file's docstring."""
+    """The home's own docstring has the number; for a claim, its row or its file's docstring may."""
     path, _, name = item.home.partition(":")
     module = import_module(path)
     home = getattr(module, name) if name else module

@@ -181,7 +181,7 @@ def test_every_claim_gets_a_verdict_and_explanations_fit_it(campaign):
 
 
 def test_the_threshold_of_a_claim_has_the_numbers_of_its_tests():
-    """As they are, in per cent, per cent more or less, millimetres, or as a word."""
+    """Thresholds give numbers as they are, in per cent, 1 +- per cent, millimetres, or words."""
     for claim in load_claims():
         found = {float(text) for text in re.findall(r"\d+(?:\.\d+)?", claim.threshold)}
         said = {number for word, number in WORDS.items() if word in claim.threshold}

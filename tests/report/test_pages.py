@@ -60,7 +60,7 @@ def test_a_page_has_one_format(run, tmp_path):
 
 
 def test_a_study_ends_with_the_shares_of_its_table(tmp_path):
-    """Of the runs that were made, by law, guard and point of the grid."""
+    """The shares count the finished runs, by law, guard and point of the grid."""
     (tmp_path / "plan.toml").write_text(
         'scenario = "far-start"\nlaws = ["mb", "pid"]\nguard = [false, true]\nseeds = 2\n'
         "set = {clock.duration = 3.0, disturbance.truncate = 3.0, limits.v_u2 = [5e-4, 5e-4]}\n"

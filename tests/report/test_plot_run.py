@@ -63,7 +63,7 @@ def test_places_that_cannot_be_written_are_refused(tmp_path, name):
 
 
 def labels(figure):
-    """What stands under the axes of a figure."""
+    """Labels of the x axes of a figure."""
     return [axes.get_xlabel() for axes in figure.findobj(Axes)]
 
 

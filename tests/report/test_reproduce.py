@@ -1,4 +1,4 @@
-"""The main job from end to end: what it refuses before anything runs, and what it hands back."""
+"""The main job from end to end: refusals before anything runs, and its result."""
 
 import pytest
 from click.testing import CliRunner
@@ -86,9 +86,10 @@ def test_quick_does_not_compare_the_graphs_with_the_ledger(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.usefixtures("few_pictures")
 def test_the_verdicts_are_the_committed_ones_with_one_seed_too(tmp_path, monkeypatch):
-    """With three they are by the exit code in tests/packaging/test_wheel.py, with every picture.
+    """One seed gives the committed verdicts.
 
-    tests/proofs compares the graphs with the ledger.
+    The test in tests/packaging/test_wheel.py takes three seeds and every picture, and reads the
+    exit code; tests/proofs compares the graphs with the ledger.
     """
     monkeypatch.setattr("wmr_proofs.runner.stale_entries", list)
     verdicts = api.reproduce(tmp_path / "out", seeds=1)

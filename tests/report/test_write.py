@@ -1,4 +1,4 @@
-"""What is written of a finished reproduction with made-up runs: files, page, tables, figures."""
+"""Output of a finished reproduction with made-up runs: files, page, tables, figures."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""Runs as bags: what a base would publish."""
+"""Runs as bags: the topics that a base would publish."""
 
 import math
 import sys

@@ -1,4 +1,4 @@
-"""Bags: what a robot's topics hold arrives under our names, in our angles, on one clock."""
+"""Bags: a robot's topics arrive under our names, in our angles, on one clock."""
 
 import math
 from dataclasses import replace
@@ -161,7 +161,7 @@ def test_a_sideways_velocity_is_reported_as_not_read(tmp_path):
     ],
 )
 def test_unusable_poses_are_left_out(tmp_path, about, word):
-    """Of quaternions one that is no rotation is enough."""
+    """One quaternion that is not a rotation makes all poses unusable."""
     t = EPOCH + np.arange(0, 6, 0.1)
     messages = odom_at(t[:-1]) + odom_at(t[-1:], pose=(len(about), 0, 0), **about)
 

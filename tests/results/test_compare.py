@@ -1,4 +1,4 @@
-"""Comparison of runs: how far, where, and on what they share."""
+"""Comparison of runs: size and place of differences, on shared samples and columns."""
 
 import math
 

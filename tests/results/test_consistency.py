@@ -82,7 +82,7 @@ def test_pose_that_contradicts_the_speeds_is_told(run, how):
 
 
 def test_a_jump_in_the_first_step_is_told_by_itself(run):
-    """Outputs that are 0 until the first step; what follows agrees."""
+    """Outputs are 0 until the first step; everything later agrees."""
     told = foreign(run, **{n: np.r_[0.0, run[n][1:]] for n in ("x", "y", "psi", "v1", "omega")})
     assert list(contradictions(told)) == [JUMP]
     assert [item.key for item in told.remarks if item.key in (JUMP, CONTRADICTS)] == [JUMP]

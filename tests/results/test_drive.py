@@ -1,4 +1,4 @@
-"""A robot's own bag in show, compare, pictures and films: what it has is shown, the rest named."""
+"""A robot's own bag in show, compare, pictures and films: its data, and the names of the rest."""
 
 import json
 import math
@@ -25,7 +25,7 @@ def circle(t):
 
 
 def messages(late=0.003):
-    """What a base records: odometry, commands at half its rate, wheels without efforts."""
+    """Messages of a base: odometry, commands at half its rate, wheels without efforts."""
     odom = [
         ("/base/odom", ODOMETRY, EPOCH + t + late, odometry(EPOCH + t, 0.4, 0.5, circle(t)))
         for t in T

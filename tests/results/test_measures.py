@@ -77,7 +77,7 @@ SWINGING = np.sin(2 * np.pi * np.arange(800) / 10)
 
 
 def burst(place, size):
-    """Of 40 samples; the last 400 are judged."""
+    """Burst of 39 samples around ``place``, among 800 of which the last 400 are judged."""
     return np.where(abs(np.arange(800) - place) < 20, size, 0) * ALTERNATING
 
 

@@ -1,4 +1,4 @@
-"""Limit cycles: told from a start, from noise and from what a reference asks for."""
+"""Limit cycles, distinguished from a start, from noise and from a reference's own swing."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from wmr_ctrl.results.oscillation import KEPT, fast_swing_rms, oscillation
 
 @pytest.mark.parametrize("count", [100, 101])
 def test_fast_swing_excludes_the_power_of_slow_parts(count):
-    """By Parseval: half of a sine's square, all of what alternates from sample to sample."""
+    """Parseval: half of a sine's square, and all of a part that alternates between samples."""
     k, period = np.arange(count), 0.01
     whole = 2 * np.pi * k / count
     slow, fast = 5.0 + 0 * whole, 0.3 * np.sin(20 * whole)

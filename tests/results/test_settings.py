@@ -1,4 +1,4 @@
-"""Settings: sample times, impossible numbers, and what a log says of its disturbance."""
+"""Settings: sample times, impossible numbers, and a log's evidence of its disturbance."""
 
 import math
 

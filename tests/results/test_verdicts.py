@@ -1,4 +1,4 @@
-"""Verdicts: what a run is told for, on synthetic logs and on scenarios that theory knows."""
+"""Verdicts: remarks on synthetic logs and on scenarios with known theory."""
 
 from dataclasses import replace
 

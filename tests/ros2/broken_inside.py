@@ -31,7 +31,7 @@ def breaks(*_given, **_named):
 
 
 def log_of(base):
-    """What the node of a base writes as fatal, as it comes."""
+    """Fatal messages of a base's node, in order of arrival."""
     log = []
 
     def logged(message):
@@ -43,7 +43,7 @@ def log_of(base):
 
 
 def fault(base, log, node, called):
-    """What is seen while something raises, and whether the base drives when it does not."""
+    """Behaviour while something raises, and whether the base drives when it does not."""
     if not base.go(PATIENCE, base.drives):
         raise SystemExit(f"the base never drove before {called}: {base.said[-3:]}")
     reset = base.node.create_client(Trigger, f"{base.name}/reset")

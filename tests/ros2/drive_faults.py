@@ -13,7 +13,7 @@ from outside import PATIENCE, Base, faults, start_drive, tell
 
 
 def of_odometry(base):
-    """What the node did, by fault of odometry."""
+    """Reactions of the node, by fault of odometry."""
     known = faults()
     del known["infinite"], known["ahead"]
     found = {"well": base.go(PATIENCE, lambda: base.told("driving"))}
@@ -28,14 +28,14 @@ def of_odometry(base):
 
 
 def leaps(base, word, leap):
-    """What follows a leap, of which a word is told, until the base has braked and drives again."""
+    """Reaction to a leap reported as ``word``, until the base has braked and drives again."""
     return base.fault(
         lambda: base.told(word) and base.fell() and base.drives(), first=leap, again=True
     )
 
 
 def in_simulated_time(base):
-    """What follows when the clock goes back, leaps ahead, and stops."""
+    """Reactions to a clock that goes back, leaps ahead, and stops."""
 
     def to(seconds):
         base.time += round(seconds * 1e9)
@@ -53,7 +53,7 @@ def in_simulated_time(base):
 
 
 def run(scenario, kind, more):
-    """What is seen of a base of a kind in real time, ``more`` of it too, and in simulated time."""
+    """Report how a base of a kind behaves in real time, with ``more``, and in simulated time."""
     rclpy.init()
     found = {}
     for name, settings in (("real", []), ("simulated", ["use_sim_time:=true"])):

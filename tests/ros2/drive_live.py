@@ -45,7 +45,7 @@ class Follower(Base):
             super()._told(message)
 
     def forget(self):
-        """What was told, and what was told but not yet read."""
+        """Drop past diagnostics, also those sent but not yet read."""
         self.said.clear()
         self.since = self.node.get_clock().now().nanoseconds
 
@@ -61,7 +61,7 @@ class Follower(Base):
 
 
 def lives(base, start):
-    """What is seen of a node that is configured, given a path, frozen, killed and started."""
+    """Behaviour of a node that is configured, given a path, frozen, killed and started."""
     changed = partial(has_changed, base.node, "wmr_drive")
     set_to = partial(has_set, base.node, "wmr_drive")
     found = {"transitions": [*map(changed, (CONFIGURE, ACTIVATE, DEACTIVATE, CLEAN_UP))]}
@@ -88,7 +88,7 @@ def lives(base, start):
 
 
 def others(base, start):
-    """What is said of a second node, which is refused, and of a twin that dies."""
+    """Behaviour beside a second node, which is refused, and beside a twin that dies."""
     third = start(looks=60.0)
     base.go(PATIENCE, lambda: third.poll() is not None)
     found = {"refused": third.poll()}

@@ -19,7 +19,7 @@ OF_ODOMETRY = ("missing", "NaN", "no rotation", "of a laser", "old", "repeated")
 
 
 def of_commands(world):
-    """Faults of what is sent to the node."""
+    """Reactions of the filter, by fault of commands."""
     known, order = faults(), partial(world.command, change=out_of_order(0.1))
     found = {
         name: world.fault(

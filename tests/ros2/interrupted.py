@@ -64,7 +64,7 @@ class InADestructor(Watched):
 
 
 class TwoAtOnce(Watched):
-    """As from a terminal and a launch."""
+    """Three interrupts arrive together, as from a terminal and a launch file."""
 
     def first_tick(self):
         interrupt(signal.SIGINT, signal.SIGINT, signal.SIGTERM)
@@ -79,7 +79,7 @@ class InWhatTakesLong(Watched):
 
 
 class InATransition(Watched):
-    """Within on_deactivate, so that the state is none from which a node can be deactivated."""
+    """Interrupts arrive within on_deactivate, from whose state a node cannot be deactivated."""
 
     def first_tick(self):
         self.trigger_deactivate()

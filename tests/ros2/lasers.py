@@ -9,7 +9,7 @@ FAR = 100.0
 
 @dataclass(frozen=True)
 class Laser:
-    """Angles of a laser's beams [rad], its ranges [m], and what it sends where nothing returns.
+    """Laser: angles of its beams [rad], its ranges [m], and its value if nothing returns.
 
     ``pose``: x, y [m], yaw [rad] on the base.
     """
@@ -24,14 +24,14 @@ class Laser:
 
     @property
     def numbers(self):
-        """What a message says beside its ranges."""
+        """Fields of a message besides its ranges."""
         return self.first, self.step, self.least, self.most
 
     def angles(self):
         return [self.first + k * self.step for k in range(self.beams)]
 
     def scan(self, distance, base=(0.0, 0.0, 0.0)):
-        """Ranges at a pose of the base; ``distance``: of what is seen from (x, y) at an angle."""
+        """Ranges at a pose of the base; ``distance(x, y, angle)``: to the nearest object [m]."""
         x, y, turn = base
         ahead, left, yaw = self.pose
         x += ahead * math.cos(turn) - left * math.sin(turn)

@@ -30,7 +30,7 @@ AGAIN = 2.0
 
 
 class Sender:
-    """Clock, commands or odometry, and the answers; what the filter says of how many it took."""
+    """Sender of clock, commands or odometry; keeps answers and the filter's count of commands."""
 
     def __init__(self, drives, alone):
         self.node = rclpy.create_node("base")

@@ -1,7 +1,7 @@
-"""What stands around a node over DDS, seen from outside; imported by scripts that rclpy runs.
+"""Surroundings of a node over DDS, seen from outside; imported by scripts that rclpy runs.
 
-A base that does at once what it is told and says so in odometry, with a planner beside it for the
-filter; faults of both, and what a node did about them.
+A base that follows its commands without delay and reports its motion as odometry, with a planner
+beside it for the filter; faults of both, and the node's reactions.
 """
 
 import json
@@ -56,10 +56,10 @@ OLDER = 75_000_000
 
 
 class Base:
-    """A base that does at once what it is told.
+    """A base that follows its commands without delay.
 
-    What came from its node is kept: ``seen``, rows of a time and what was commanded, ``said``, the
-    sentences of diagnostics, and ``details``, all that they held.
+    It keeps its node's messages: ``seen``, rows of a time and a command, ``said``, the sentences of
+    diagnostics, and ``details``, all their values.
     """
 
     name, period, cruise = "wmr_drive", RATE, 0.25
@@ -106,7 +106,7 @@ class Base:
         self.pose = [x + way * math.cos(yaw), y + way * math.sin(yaw), yaw + turn]
 
     def round(self, spoil=None):
-        """What is sent each period; ``spoil`` changes odometry, which is not sent if False."""
+        """Send the messages of a period; ``spoil`` changes odometry, which is not sent if False."""
         if self.simulated:
             self.time += round(1e9 * self.period * self.rate)
             self.clock.publish(Clock(clock=self.stamp()))
@@ -145,7 +145,7 @@ class Base:
         raise SystemExit(f"the base never drove: {self.speed}, {self.said[-3:]}")
 
     def until_said(self, word, **how):
-        """Rounds until diagnostics have a word: what they said till then."""
+        """Run rounds until diagnostics have a word; return the sentences reported until then."""
         self.said.clear()
         self.go(PATIENCE, lambda: self.told(word), **how)
         return sorted(set(self.said))
@@ -155,13 +155,13 @@ class Base:
         return any(row[1] < self.before - 0.02 for row in self.seen)
 
     def rested(self, word):
-        """Whether zeros came for a while, and a word was told."""
+        """Condition that zeros came for a while and diagnostics reported a word."""
         return lambda: (
             self.told(word) and [any(row[1:]) for row in self.seen[-MANY:]] == ([False] * MANY)
         )
 
     def fault(self, until=None, first=None, again=False, **how):
-        """What follows a fault: other rounds, or what ``first`` does (once).
+        """Reaction to a fault: altered rounds, or an action ``first`` (once).
 
         It lasts for LASTS, or ``until`` something is true.  It is made again where this process was
         late, but what is done ``first`` only if ``again``: then also where it was not true in time,
@@ -195,7 +195,7 @@ class Base:
         return bool(call(self.node, Trigger, f"{self.name}/reset", Trigger.Request()).success)
 
     def refused(self):
-        """How much odometry was refused for its order, as diagnostics tell it."""
+        """Number of odometry messages refused for their order, as diagnostics report it."""
         self.details.clear()
         self.go(PATIENCE, lambda: bool(self.details))
         counts = self.details[-1].items()
@@ -205,19 +205,19 @@ class Base:
         )  # fmt: skip
 
     def out_of_order(self):
-        """What follows odometry that is out of order, and how much of it was refused."""
+        """Reaction to odometry that is out of order, and the number of refused messages."""
         before = self.refused()
         found = self.fault(spoil=out_of_order())
         return found | {"refused": self.refused() - before}
 
     def latched(self):
-        """What follows odometry that is too fast, then sound, and a reset."""
+        """Reaction to odometry that is too fast, then sound, and to a reset."""
         fast = self.fault(self.rested("too-fast"), first=lambda: None, spoil=speed(1.4))
         self.go(0.5)
         return {"too fast": fast, "latched": [self.seen[-1][1:], self.reset()]}
 
     def stopped(self):
-        """What follows a stop, with what is commanded after it ended and before the reset."""
+        """Reaction to a stop, with the commands after its end and before the reset."""
         stop = Bool(data=True)
         found = {"stop": self.fault(self.rested("stopped"), lambda: self.stop.publish(stop))}
         found["reset while stopped"] = self.reset()
@@ -227,7 +227,7 @@ class Base:
         return found | {"drives again": self.go(PATIENCE, self.drives)}
 
     def count_after_quiet(self, seconds, **how):
-        """Commands that come in a time [s] after those that were on their way have come."""
+        """Number of commands within ``seconds`` [s] after those in transit have arrived."""
         for lasts, until in ((PATIENCE, quiet(self.seen)), (seconds, lambda: False)):
             self.rest()
             self.seen.clear()

@@ -22,7 +22,7 @@ PATIENCE = 120
 
 
 def refusal(node, words):
-    """Exit code of a node, and what it and ROS wrote: also in C, so by the file's number."""
+    """Exit code of a node, and the text that it, ROS and their C code wrote to stderr."""
     with tempfile.TemporaryFile() as written:
         before = os.dup(2)
         os.dup2(written.fileno(), 2)

@@ -43,7 +43,7 @@ LASTS = 12.0
 
 
 class Seeing(World):
-    """A world with a laser, or free ways, and limits; what they say can be changed."""
+    """World with a laser, or free ways, and limits; a test can change their values."""
 
     def __init__(self, process, kind):
         super().__init__(process)
@@ -71,7 +71,7 @@ class Seeing(World):
         self.scans.publish(message)
 
     def command(self, v=0.5, omega=0.0):
-        """What is seen, a limit, and a command."""
+        """Send a scan or free ways, a limit, and a command."""
         if self.sees and self.kind == "scan":
             self.scan()
         elif self.sees:
@@ -109,7 +109,7 @@ class Seeing(World):
 
 
 def of_scans(world):
-    """Faults of what is seen."""
+    """Reactions of the filter, by fault of its view."""
     found = {}
     world.drive()
     world.sees = False

@@ -19,7 +19,7 @@ def main(scenario, file, params):
     arguments |= {"cmd_vel": "base_cmd", "odom": "base_odom"}
 
     def given(node, kind, key, value):
-        """What a node is given of a kind, with the launch file's arguments in it."""
+        """Values of a node's tags of a kind, by key, with the launch file's arguments filled in."""
         (item,) = (item for item in root.iter("node") if item.get("name") == node)
         found = {one.get(key): one.get(value) for one in item.iter(kind) if one.get(key)}
         for name, filled in arguments.items():

@@ -77,7 +77,7 @@ def test_the_ament_index_finds_the_package(ros, installed):
 def test_an_executable_finds_the_environment_and_reads_the_parameters(
     ros, environment, installed, tmp_path
 ):
-    """In a namespace: a wrong value of the file is refused, so the file was read."""
+    """The node runs in a namespace; a wrong value of the file is refused, so the file was read."""
     shipped = (installed / "share" / PACKAGE.name / "config" / "filter.yaml").read_text("utf-8")
     (tmp_path / "wrong.yaml").write_text(shipped.replace("watched", "maybe", 1), "utf-8")
     (tmp_path / "base.toml").write_text(SCENARIO, "utf-8")

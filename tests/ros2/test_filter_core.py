@@ -177,7 +177,7 @@ def prompt(scenario):
 
 
 def sent_at(world, *, ros=0, steady=0, simulated=False):
-    """Whether a command that comes so much later [ms] is answered at once."""
+    """True if a command is answered immediately after times [ms] on the two clocks."""
     world.wait(ros * MS, steady * MS)
     world.simulated = simulated
     reason, gated = world.core.command((0.5, 0.0), world.ros, "base_link", world.now())
@@ -214,7 +214,7 @@ def test_stamps_do_not_hasten_answers_but_on_simulated_time(prompt):
 
 
 def test_after_simulated_time_went_back_commands_are_answered_at_once_again(prompt):
-    """What has passed since then is told by the steady clock."""
+    """After the jump, elapsed time comes from the steady clock."""
     assert sent_at(prompt, simulated=True)
     before = prompt.core.last.command[0]
     assert sent_at(prompt, ros=-10_000, steady=10, simulated=True)
@@ -230,7 +230,7 @@ def test_answers_at_once_ramp_by_the_time_that_has_passed(prompt):
 
 
 def test_a_step_is_in_time_within_the_stated_jitter_and_not_a_tick_more():
-    """What a clock counts is what the gate is told: no tick passes for none."""
+    """The gate sees nanoseconds: 900 ns off is late without jitter and in time with 1 us."""
     governed = "filter.kind = 'governor'; filter.tau = [0.2, 0.3]"
     for jitter, late in ((0.0, [False, False, True, True, False]), (1e-6, [False] * 5)):
         case = preset("paper-simulation", STATED, f"{governed}; filter.jitter = {jitter}")

@@ -110,7 +110,7 @@ def test_a_stop_for_what_is_in_the_way_is_not_ramped():
 
 
 def test_the_base_stands_before_a_wall_and_backs_off(free):
-    """Ahead is told as it is for a base that follows its command at once."""
+    """The free way ahead is exact for a base that follows its command immediately."""
     free.ahead = 1.0
     for _ in range(300):
         free.ahead -= 0.05 * free.go(1)[0]
@@ -160,7 +160,7 @@ def test_a_lower_limit_brings_the_base_inside_and_a_higher_one_acts_at_once(limi
     ],
 )
 def test_a_limit_below_the_push_or_without_sense_is_a_stop(limits, topic, said):
-    """With a flag where it is no number."""
+    """The flag ``limit-refused`` is set if the value is NaN."""
     limits.go()
     limits.limit(topic, *said)
 
@@ -262,7 +262,7 @@ def test_where_the_window_is_in_the_way_it_looks_straight_on():
 
 
 def test_so_near_that_it_must_be_held_the_base_backs_off():
-    """By a hold, which the smallest window must have room for."""
+    """The filter holds the base at zero first; the smallest window has room for this hold."""
     sent = [command[0] for command, _ in in_a_passage(-0.3, 0.0, ahead=0.02)]
 
     assert sent[:5] == [0.0] * 5

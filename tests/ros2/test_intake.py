@@ -1,4 +1,4 @@
-"""Which messages count."""
+"""Intake of messages: which are taken and which are refused."""
 
 import math
 

@@ -35,7 +35,7 @@ STEP = re.compile(r"\.(?P<field>\w+)|\[(?P<slice>:)\]|\{(?P<key>\w+)==\"(?P<valu
 
 
 def inner(described):
-    """Name of a type; of a sequence, what it holds and its length."""
+    """Name of a type, or the element and length of a sequence."""
     sort, what = described
     return what[0] if sort == typesys.base.Nodetype.BASE else what
 

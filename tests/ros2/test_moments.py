@@ -1,4 +1,4 @@
-"""What two moments tell of the clocks, and two messages of the pose, each at its threshold."""
+"""Thresholds for jumps of the clocks between two moments, and of the pose between two messages."""
 
 import math
 import re
@@ -72,7 +72,7 @@ def core():
     ],
 )
 def test_a_pose_leaps_beyond_twice_the_larger_speed_and_the_slack(core, way, turn, leaps):
-    """In 20 ms, from 1 m/s to less and from less to 1.5 rad/s: 40 mm and 60 mrad."""
+    """Twice the larger speeds (1 m/s, 1.5 rad/s) over 20 ms: 40 mm and 60 mrad, plus the slack."""
     before = (3.0, 4.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.2)
     after = (3.0 + 0.6 * way, 4.0 + 0.8 * way, 0.0, 0.0)
     after += (math.sin(turn / 2), math.cos(turn / 2), 0.4, -1.5)

@@ -110,7 +110,7 @@ def test_who_is_interrupted_sends_a_last_zero(seen, live, way):
 
 
 def test_an_interrupt_at_a_bad_moment_ends_it_with_a_last_zero(report):
-    """In a destructor, which drops it; twice; in what takes long; in a transition; at the end."""
+    """It comes in a destructor, which drops it, twice, in a long call, a transition, at the end."""
     found = {name: item for name, item in report("interrupted").items() if "Broken" not in name}
 
     assert found.pop("AtConfigure") == [0, 0]  # nothing was sent, nor looked around to the end
@@ -131,7 +131,7 @@ def test_diagnostics_say_who_else_is_there_and_where_all_is_well(live):
 
 @pytest.mark.parametrize("step", ["Configure", "Activate"])
 def test_an_exception_in_a_transition_is_told_and_ends_it(report, step):
-    """Of which rclpy says nothing."""
+    """The node reports the error, since rclpy says nothing."""
     code, sent, told = report("interrupted")[f"BrokenAt{step}"]
 
     assert (code, sent) == (2, 0)
@@ -147,7 +147,7 @@ def test_the_share_of_commands_has_a_range(live):
 
 
 def falls_to_rest(speeds, before=0.5):
-    """By the ramp of 2 m/s2 at 50 Hz, some ticks early or late."""
+    """True if speeds [m/s] fall to 0 by the ramp of 2 m/s2 at 50 Hz, some ticks early or late."""
     steps = [a - b for a, b in zip([before, *speeds], speeds, strict=False)]
     return all(0 <= step <= 2 * TICK * 1.01 for step in steps) and speeds[-1] == 0
 

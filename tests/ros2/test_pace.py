@@ -30,7 +30,7 @@ def late(seed, largest, count=COUNT):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("rate", [0.5, 0.9, 0.997, 1.0, 1.003, 1.04])
 def test_each_message_is_a_sample_at_about_the_laws_rate(seed, rate):
-    """With the jitter of a busy machine where the rates are nearly the same."""
+    """Stamps have the jitter of a busy machine if the rates are nearly equal."""
     stamps, draw = grid(rate), np.random.default_rng(seed)
     for jitter in (TICK * draw.uniform(-0.25, 0.25, COUNT), late(seed, 0.8)):
         held_against_nobody = np.concatenate((jitter[:1], np.zeros(COUNT - 1)))
@@ -41,7 +41,7 @@ def test_each_message_is_a_sample_at_about_the_laws_rate(seed, rate):
 @pytest.mark.parametrize("rate", [1.0, 1.003, 1.06, 1.5, 2.0, 2.7, 4.0, 5.0, 10.0])
 @pytest.mark.parametrize("share", [0.0, 0.2, 0.45])
 def test_the_laws_mean_period_is_the_one_it_was_made_for(rate, share):
-    """Of any sender, with jitter of a share of its spacing; short intervals are rare."""
+    """Any sender may have jitter of a share of its spacing; short intervals are rare."""
     jitter = np.random.default_rng(3).uniform(-share, share, 9000) * TICK / rate
     found = np.diff(sampled(grid(rate, 9000) + jitter)) / TICK
 
@@ -94,7 +94,7 @@ def answered(world, intervals, delays=None):
 
 @pytest.mark.parametrize("rate", [0.997, 1.0, 1.003])
 def test_a_drive_answers_each_message_and_stays_on_time(world, rate):
-    """With jitter in the stamps and, apart from it, on the way."""
+    """Stamps have jitter, and so have, independently, the times on the way."""
     stamps = np.round(grid(rate) + late(1, 0.8)).astype(np.int64)
     start = world.ros
 

@@ -54,7 +54,7 @@ def core_of(*lasers, **settings):
 
 
 def free_of(core, *lasers, seen=OPEN, command=(0.0, 0.0)):
-    """Free ways of a step after a scan of what is seen by each laser."""
+    """Free ways [m] of a step after one scan by each laser."""
     core.start()
     for k, laser in enumerate(lasers):
         assert core.scan(k, laser.numbers, laser.scan(seen), STANDS.ros, STANDS) == ""
@@ -107,7 +107,7 @@ def test_what_does_not_return_is_as_far_as_the_laser_sees():
 
 @pytest.mark.parametrize("silence", [0.0, math.nan, LDS_01.most + 1], ids=["0", "NaN", "beyond"])
 def test_silence_is_blind_unless_it_is_stated_as_far(silence):
-    """Of a laser that sends something else than infinity where nothing returns."""
+    """The laser sends something other than infinity if nothing returns."""
     laser, wall = replace(LDS_01, silence=silence), walls((1.0, 0.0, 0.4))
     blind, far = core_of(laser), core_of(laser, no_return="range_max")
 
@@ -153,7 +153,7 @@ def test_any_heading_is_free_where_nothing_is_nearer_than_a_stop_takes():
 
 
 def test_a_laser_never_lets_the_base_where_it_does_not_see():
-    """Of a disc that turns, however little, an edge leaves what half a turn sees."""
+    """A view of half a turn allows no motion: an edge of a turning disc leaves the view."""
     core, half = core_of(WIDE), replace(RPLIDAR, first=-math.pi / 2, beams=181)
     ahead, behind, *_ = free_of(core, WIDE)
 
@@ -248,7 +248,7 @@ def test_without_one_of_two_lasers_no_distance_is_told():
 
 
 def test_the_oldest_of_two_scans_counts():
-    """Of a base that drives, its way since then is no longer free."""
+    """A scan that is too old stops the base, which may have driven since then."""
     rear, flags = replace(RPLIDAR, pose=(-0.1, 0.0, math.pi)), []
     for old in (0, 1):
         core = core_of(RPLIDAR, rear)

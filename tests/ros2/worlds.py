@@ -1,4 +1,4 @@
-"""Cores of the nodes with what a test sends to them, on clocks that it moves."""
+"""Cores of the nodes with a test's messages, on clocks that the test moves."""
 
 from wmr_ctrl.ros2.clocks import Moment
 
@@ -53,7 +53,7 @@ class World(Clocked):
         return speeds
 
     def command(self, stamp, v=0.5, omega=0.0):
-        """Why a command is refused, else ""."""
+        """Send a command; return the reason of its refusal, else ""."""
         return self.core.command((v, omega), stamp, "", self.now())[0]
 
     def limit(self, topic, *numbers):

@@ -31,7 +31,7 @@ def tasks_of(law, count, *told):
 
 
 def same_values(one, other):
-    """Texts and numbers alike; not a number is the same as itself."""
+    """True if all texts and numbers are equal; NaN equals itself."""
     return bool(np.all((one == other) | (one != one) & (other != other)))
 
 

@@ -50,7 +50,7 @@ def assert_same(some, others):
 
 @pytest.mark.slow
 def test_figures_and_columns_are_those_of_lanes(stand):
-    """With encoders, delay, disturbances, and a change of the robot on the way."""
+    """The runs have encoders, delay, disturbances, and a change of the robot on the way."""
     asked = ("robot-10ms", "prox", range(5))
     cpu, there = (simulate_many(*asked, SHORT, device=name) for name in ("cpu", "gpu"))
     assert_same(cpu, there)
@@ -106,7 +106,7 @@ def test_a_study_has_the_same_table(stand, tmp_path, monkeypatch):
 
 
 def test_without_cupy_or_a_device_there_is_a_sentence(tmp_path, monkeypatch):
-    """A cluster's client needs no device of its own, and a worker without one tells so."""
+    """A cluster's client needs no device, and a worker without one reports the lack."""
     gpu.processor.cache_clear()
     monkeypatch.setitem(sys.modules, "cupy", None)
     with pytest.raises(MissingExtraError, match=r"wmr_ctrl\[gpu\]"):

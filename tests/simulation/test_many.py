@@ -22,7 +22,7 @@ SHORT = {"clock.duration": 4.0, "changes": []}
 
 
 class NoGains(Section, key="gains.toy"):
-    """None."""
+    """Gains of the toy law, which has none."""
 
 
 def blind(sample):

@@ -86,7 +86,7 @@ def test_truncated_noise_is_drawn_again_if_either_number_is_beyond():
 
 
 def test_noise_that_is_never_within_its_bound_is_clipped():
-    """On either side; a pair within a thousandth is drawn once in a million tries."""
+    """Noise is clipped on either side; one pair in a million lies within a thousandth."""
     rare = {"clock.duration": 1.0, "disturbance.truncate": 1e-3}
     run = simulate("paper-simulation", "mb", overrides=rare)
     drawn = run["noise_right"], run["noise_left"]

@@ -46,7 +46,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """None where the filter is told; else a stop at once is hidden."""
+    """Empty if the filter knows `filter.rest`; otherwise a stop between commands is hidden."""
     hidden = "base.rest: the base may stand at once, and filter.rest does not say when."
     return Bound(hidden="" if scenario.filter.rest is not None else hidden)
 

@@ -196,7 +196,7 @@ class Assembled(Named):
         return met
 
     def kept(self) -> Iterator[Relations]:
-        """Memory beside the commands under way: what acts next, or older commands behind a lag."""
+        """Memory besides commands in transit: the next torque, or older commands behind a lag."""
         if not self.counted.lag:
             whole = all(time == 1 for _, time in self.counted.mean)
             if whole and not self.counted.jitter:

@@ -289,7 +289,7 @@ class Line(Stop[SX]):
         return free
 
     def line(self, instant: SX, tau: SX) -> tuple[SX, SX]:
-        """Both of them."""
+        """Instant and time constant of the line, unchanged."""
         return instant, tau
 
 

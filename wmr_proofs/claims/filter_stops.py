@@ -45,7 +45,7 @@ class Lowered(Named):
         self.end = E * self.v + (1 - E) * self.mean
 
     def stopped(self, share: SX) -> SX:
-        """Largest of V and of what a stop leaves of the bound of the speed."""
+        """Largest of V and the bound of the speed that a stop leaves."""
         return fmax(self.V, self.dbar + share * (self.v_bar - self.dbar))
 
 

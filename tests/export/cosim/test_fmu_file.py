@@ -1,4 +1,4 @@
-"""Somebody else's plant by FMI 3.0, written in C: what it says of its steps, units of its mass."""
+"""A foreign plant by FMI 3.0, written in C: its steps, its messages, the units of its mass."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Map templates: what the names and units of an FMU settle is filled in, and nothing else."""
+"""Map templates: rows that an FMU's names and units settle are filled in, and nothing else."""
 
 import tomllib
 

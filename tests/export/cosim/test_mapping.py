@@ -1,4 +1,4 @@
-"""Maps of names and units of somebody else's FMUs: keys, units, hints, and what they refuse."""
+"""Maps of names and units of foreign FMUs: keys, units, hints and refusals."""
 
 import re
 
@@ -68,7 +68,7 @@ def test_units_that_are_not_stated_are_asked_for_by_the_row(foreign, mapped):
 
 
 def test_units_may_be_those_of_the_si(foreign, mapped):
-    """What a row states counts all the same."""
+    """The unit of a row takes precedence over SI units of the part."""
     file = FmuFile(foreign("TheirRobot", PLANT), "plant")
     text = UNSTATED.format(units='units = "SI"', omega='{ terms = { wheelL = 1.0 }, unit = "rpm" }')
     part = load_map(mapped(text))["plant"]

@@ -1,4 +1,4 @@
-"""What is between controller and plant."""
+"""Effects between controller and plant."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""FMUs as parts of a loop: their steps, and what they must give."""
+"""FMUs as parts of a loop: their steps and their required outputs."""
 
 import math
 from types import SimpleNamespace

@@ -54,7 +54,7 @@ def test_the_command_tells_a_script_that_an_fmu_failed(foreign, mapped, tmp_path
     ],
 )
 def test_a_file_that_is_no_fmu_is_told_in_words(tmp_path, parts, said):
-    """With what to do, and no words of the interpreter."""
+    """The sentence names a remedy and quotes nothing from the interpreter."""
     path = tmp_path / "some.fmu"
     if parts == "no archive":
         path.write_text(parts, "utf-8")
@@ -127,7 +127,7 @@ def test_fmpys_ssp_simulation_is_the_jacobi_master(tmp_path, flat):
 
 
 def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path):
-    """Torques in mN m, angles in deg from another zero; what is a sum of outputs is refused."""
+    """Torques are in mN m, angles in deg from another zero; a sum of outputs is refused."""
     direct = PLANT_MAP.replace("w_right", "v1").replace("w_left", "omega").replace("rpm", "km/h", 1)
     plant = foreign("TheirRobot", PLANT)
     given = {"law": "pid", "scenario": SHORT, "plant": plant, "out": tmp_path}

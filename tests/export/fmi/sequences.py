@@ -122,7 +122,7 @@ def shared():
 
 
 def second():
-    """Those of FMI 2 alone."""
+    """Calls of FMI 2: the shared ones and its own."""
     zero = ct.c_double(0)
     yield from shared()
     yield call("SetupExperiment", {START}, 0, zero, zero, 0, zero)
@@ -138,7 +138,7 @@ def second():
 
 
 def third():
-    """Those of FMI 3 alone."""
+    """Calls of FMI 3: the shared ones and its own."""
     yield from shared()
     yield Call("EnterInitializationMode", {START}, lambda one: one.setup())
     yield _vector("GetContinuousStateDerivatives", SOLVING)

@@ -1,4 +1,4 @@
-"""The C sources: warnings, sanitizers, rebuilding from what an FMU carries, the example."""
+"""C sources: warnings, sanitizers, rebuilding an FMU from its contents, the example."""
 
 import os
 import re
@@ -28,7 +28,9 @@ WATCHED = (("plant", 2), ("plant", 3), ("reference", 3), ("closed-loop", 3))
 @pytest.mark.parametrize("language", ["g++-c++98", "clang-c99"])
 @pytest.mark.slow
 def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
-    """Of all FMUs, each text once. The header of FMI 3.0 ends a list by a comma; C++98 had none."""
+    """Sources of all FMUs are compiled, each text once. The header of FMI 3.0 ends a list by a
+    comma, which C++98 does not allow.
+    """
     seen = set()
     for what, version in product(WHAT, (3, 2)):
         (folder := tmp_path / f"{what}-{version}").mkdir()

@@ -61,7 +61,7 @@ def assert_loop_is(run, fmu, numbers=(), seed=0):
 @pytest.mark.parametrize("law, version", [("nn", 3), ("prox", 2)])
 @pytest.mark.slow_but("nn-3")
 def test_closed_loop_fmu_is_the_native_loop_to_the_bit(raw, monkeypatch, law, version):
-    """Of 80 s; one as it is shipped, by zig."""
+    """Runs of 80 s are equal; one library is built by zig, as it is shipped."""
     for variable in ("WMR_CTRL_OPTIMIZE", "WMR_CTRL_FMU_CC") if law == "prox" else ():
         monkeypatch.delenv(variable, raising=False)
     run = simulate("paper-simulation", law, seed=3)

@@ -1,4 +1,4 @@
-"""The command filter as an FMU: the bits of a run's filter, its flags, what it refuses."""
+"""Command filter as an FMU: the bits of a run's filter, its flags and its refusals."""
 
 import numpy as np
 import pytest

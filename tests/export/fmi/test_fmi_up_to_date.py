@@ -1,4 +1,4 @@
-"""What an instance shows fits its values of now: time, states, inputs, and memory that moved."""
+"""Values that an instance shows fit its present time, states, inputs and updated memory."""
 
 import ctypes as ct
 
@@ -22,7 +22,7 @@ def test_a_reference_is_where_it_is_at_the_solvers_time(raw):
 
 @pytest.mark.parametrize("parallel", [False, True])
 def test_the_first_sample_has_the_inputs_of_its_step_unless_all_parts_step_at_once(raw, parallel):
-    """With `clock.parallel` those of initialisation; every other sample has those of its step."""
+    """All samples have their step's inputs, except the first with `clock.parallel`."""
     fmu = raw("nn", 3)
     one, still = (fmu.new() for _ in range(2))
     for instance in (one, still):
@@ -38,7 +38,7 @@ def test_the_first_sample_has_the_inputs_of_its_step_unless_all_parts_step_at_on
 
 
 def test_derivatives_are_at_the_memory_that_the_last_sample_started_from(raw):
-    """Of a law that learns, with other inputs at each sample."""
+    """The law learns, and each sample has other inputs."""
     system, fmu, draw = system_of("nn"), raw("nn", 3), np.random.default_rng(5)
     knowns = [n for p in system.inputs for n in p.signal.elements]
     unknowns = [n for o in system.outputs for n in o.signal.elements]
@@ -107,7 +107,7 @@ def test_in_half_steps_it_shows_at_its_samples_what_it_shows_in_whole_ones(raw, 
 
 
 def test_a_change_comes_with_the_first_plant_step_at_or_after_its_time(raw):
-    """As decimals have it: 0.035 / 0.005 is a little more than 7 in doubles."""
+    """Times are compared as decimals: 0.035 / 0.005 is a little more than 7 in doubles."""
     fmu, shown = raw("closed-loop", 3), {}
     for time in (0.0301, 0.035, 0.0351):
         one = fmu.new()

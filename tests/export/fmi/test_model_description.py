@@ -1,4 +1,4 @@
-"""What an FMU says of itself: schemas, validation, units, structure, content."""
+"""Description of an FMU: schemas, validation, units, structure, content."""
 
 import csv
 import math

@@ -77,7 +77,7 @@ def described(path):
 
 @pytest.mark.slow
 def test_a_flat_package_runs_alike_in_parallel_masters(flat):
-    """They pass values before the first step, unlike FMPy; libcosim is told no step size here."""
+    """These masters pass values before the first step, unlike FMPy; libcosim gets no step size."""
     path, rows = str(flat("nn")), []
     plan = {"package": path, "steps": 300, "h": 0.01, "set": SET, "shown": SHOWN}
     for module, script in (("libcosimpy", LIBCOSIM), ("ecospy", ECOS)):

@@ -1,4 +1,4 @@
-"""Libraries: what they export and need, and whether they run on other platforms."""
+"""Libraries: their exports and needs, and whether they run on other platforms."""
 
 import importlib.util
 import os

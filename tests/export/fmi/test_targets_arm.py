@@ -48,7 +48,7 @@ def test_linux64_has_the_arm_library_unless_x86_64_is_in_the_file(version):
 @pytest.mark.slow
 @linux
 def test_fmus_are_exported_and_stepped_on_an_arm_machine(tmp_path):
-    """By FMPy, and by our commands with the same bits as here."""
+    """FMPy steps them, and so do our commands, with equal bits there and here."""
 
     def on_arm(commands, *fmus):
         done = finished([sys.executable, "-c", ON_ARM, commands, *fmus], cwd=tmp_path)

@@ -57,7 +57,7 @@ def placed(body, declared):
 
 
 def ports(text, part):
-    """Those of a part's interface."""
+    """Ports of a part's interface, by name."""
     body = classes(text.partition("end Interfaces;")[0], "block", part.capitalize())
     found = placed(body, r"(RealInput|RealOutput) (\w+)")
     return {name: port for name, port in found.items() if port.half == 10}

@@ -48,7 +48,7 @@ def largest_differences(found, native):
 )  # fmt: skip
 @pytest.mark.slow
 def test_a_loop_in_modelica_is_the_native_loop(simulated, preset, law, stated):
-    """Against Runge-Kutta steps of 0.1 ms; torques to the size of what they multiply."""
+    """The native loop takes Runge-Kutta steps of 0.1 ms; the bound of torques allows for gains."""
     own = changes(stated)
     text = modelica_package(load_scenario(preset, own))
     seconds = float(own["clock.duration"])

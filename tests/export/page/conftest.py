@@ -13,7 +13,7 @@ from wmr_ctrl.export.page import content
 
 @pytest.fixture(scope="session")
 def laws():
-    """Those of the page."""
+    """Laws that the page offers."""
     return "pid", "mb", "nn", "prox"
 
 

@@ -15,7 +15,7 @@ EAST = -np.pi / 2
 
 
 def commanded(member, x, theta, v_d):
-    """What the law of a robot asks for on the line, at x [m], for a desired speed [m/s]."""
+    """Output of a robot's law on the line, at x [m], for a desired speed [m/s]."""
     setup = member.settled(walled())
     system = law_graph(setup)
     known = {"x_d": x, "theta_d": theta, "v1_d": v_d, "x": x, "theta": theta}

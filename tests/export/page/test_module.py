@@ -20,7 +20,7 @@ SCRIPT = Path(__file__).with_name("run.mjs")
 
 
 def from_page(page, folder, requests):
-    """Columns of runs by the page's module in node, or what it said."""
+    """Columns of runs by the page's module in node, or its error."""
     asked, out = folder / "requests.json", folder / "out"
     asked.write_text(json.dumps(requests), "utf-8")
     finished([where(*NODE), str(SCRIPT), str(page), str(asked), str(out)], timeout=300)
@@ -52,9 +52,9 @@ def assert_same_bits(shown, run):
 
 @pytest.mark.slow
 def test_laws_in_every_scene(page, laws, tmp_path):
-    """As long as the scenario says: 80 s, with noise, changes, the guard, a pose every 100 ms.
+    """Runs last 80 s, as the scenario says, with noise, changes, the guard, a pose every 100 ms.
 
-    Of its laws every other one, in turns.
+    Each scene runs every other law of the page, in turns.
     """
     cases = [(law, step) for k, step in enumerate(story()) for law in laws[k % 2 :: 2]]
     shown = from_page(page, tmp_path, [(law, 80.0, {"scene": step.key}) for law, step in cases])
@@ -66,7 +66,7 @@ def test_laws_in_every_scene(page, laws, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["mb", "prox"])
 def test_variants_and_numbers_are_those_of_a_scenario(page, tmp_path, law):
-    """Guard, period and delay choose another loop; what else is moved is a parameter of it."""
+    """Guard, period and delay select another loop; all other numbers are parameters of a loop."""
     variants = (
         {"guard.enabled": True, "actuator.delay": 0.05},
         {"clock.control": 0.05, "limits.v_u1[1]": 0.9},
@@ -127,7 +127,7 @@ def test_one_file_below_its_size_that_asks_nobody(page):
 
 @pytest.mark.slow
 def test_a_successor_goes_on_and_a_limit_that_is_moved_is_watched(tmp_path):
-    """Past the scenario's change at 40 s, with its noise; what a law keeps in a queue is empty."""
+    """The page is past the change at 40 s, with noise; the queues in a law's memory are empty."""
     page = wmr_ctrl.write_page(tmp_path / "a.html", scenario="paper-simulation", laws=["mb"])
     done = finished([where(*NODE), str(SCRIPT.with_name("going_on.mjs")), str(page)], timeout=300)
     found = json.loads(done.stdout)

@@ -1,4 +1,4 @@
-"""The page in a real browser: what is moved changes the outcome, and nothing goes wrong."""
+"""The page in a real browser: controls change the outcome, and nothing goes wrong."""
 
 import pytest
 

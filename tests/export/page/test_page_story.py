@@ -1,4 +1,4 @@
-"""What the steps of the story claim, with the seed of the page."""
+"""Claims of the story's steps hold with the page's seed."""
 
 import pytest
 
@@ -16,7 +16,7 @@ STEPS = {step.key: step for step in story()}
 
 @pytest.fixture(autouse=True)
 def one_variant(monkeypatch):
-    """Of a scene no other period or delay is offered."""
+    """Offer no other period or delay in a scene."""
     for name in ("PERIODS", "LATE"):
         monkeypatch.setattr(f"wmr_ctrl.export.page.scenes.{name}", ())
 

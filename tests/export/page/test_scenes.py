@@ -152,7 +152,7 @@ def wall(tmp_path_factory):
 
 @pytest.mark.slow
 def test_before_a_wall_only_the_filter_stops_in_time(wall, tmp_path):
-    """With the page's brake, which a run has not; the base is late and pushed within its bounds."""
+    """The page's brake acts, unlike in a run; the base is late and pushed within its bounds."""
 
     def driven(**numbers):
         one.value(f"wmr.page.fleet.replace({json.dumps(numbers)}), wmr.page.restart()")

@@ -57,7 +57,7 @@ def tuned(law, scenario):
 
 
 def played(folder, law, *options, compiler=("gcc", "-std=c99"), ends=0):
-    """What a play of the S-function prints, in lines, if it ends with that status."""
+    """Lines that a play of the S-function prints, if it ends with the status ``ends``."""
     sources = [f"sfun_wmr_{law}.c", f"wmr_{law}.c"]
     command = [where(compiler[0]), *compiler[1:], *STRICT, *options, f"-I{HERE / 'mock'}", "-I."]
     finished([*command, *sources, "-o", "play", "-lm"], cwd=folder)

@@ -46,7 +46,7 @@ def simulate(scenario, law, seed):
 
 @contextmanager
 def made_up(simulate=simulate, asked=lambda case: None):
-    """Within it campaigns need no compiling, ``asked`` hears of each loop: functions of a seed."""
+    """Replace campaigns' compiled loops by ``simulate``; ``asked`` is called with each case."""
 
     def build(case, device="cpu"):
         asked(case)

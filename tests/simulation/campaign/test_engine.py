@@ -1,4 +1,4 @@
-"""Running a plan: its order, what it keeps, how it ends when it fails or is interrupted."""
+"""Running a plan: its order, the rows that it keeps, and its end on failure or interruption."""
 
 import pytest
 

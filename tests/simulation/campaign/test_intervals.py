@@ -35,7 +35,7 @@ def test_the_bootstrap_is_near_the_normal_interval_and_repeats():
 
 @pytest.mark.parametrize("share", [True, False])
 def test_more_looks_need_a_narrower_interval(share):
-    """Each of J looks takes confidence 1 - (1 - c)/J: what one look accepts, ten do not."""
+    """Confidence of each of J looks is 1 - (1 - c)/J: a width that one look accepts, ten refuse."""
     values = (np.arange(200) % 4 == 0).astype(float)
     figure, key = ("violated", "position_rms")[not share], 3
     widths = []

@@ -1,4 +1,4 @@
-"""What a study's plan means, and which plans are refused."""
+"""Meaning of a study's plan, and refused plans."""
 
 import csv
 import math

@@ -1,4 +1,4 @@
-"""A study's folder: what is kept, and whose results it holds."""
+"""A study's folder: its contents, and the plan and code of its results."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a run takes note of on a body: largest and least of all samples, and the first of events."""
+"""Records of a run on a body: largest and least of all samples, and the first of events."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Which runs tuning makes, and what it makes of them, with runs of the tests' own."""
+"""Runs that tuning makes, and the result that it takes from them; the tests make up the runs."""
 
 import math
 from dataclasses import replace
@@ -86,7 +86,7 @@ def test_the_test_tells_medians_and_greatest_speeds_of_each_reference_and_robot(
 
 
 def test_what_was_found_is_told_in_order(guarded, monkeypatch, tmp_path):
-    """Of runs that cost less from call to call, with a corridor as wide as the gain is large."""
+    """Runs cost less from call to call, and a corridor is as wide as the gain is large."""
     calls = count()
 
     def table_of(plant, cases, *_, **__):

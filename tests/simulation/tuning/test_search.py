@@ -1,4 +1,4 @@
-"""The search by itself: what it asks for and keeps, which plans it takes, and what it is told."""
+"""The search alone: its candidates, the best so far, and refused plans."""
 
 import math
 

@@ -22,7 +22,7 @@ def short():
 
 
 def test_a_cost_keeps_the_order_of_certificates_of_lost_runs_and_of_distances():
-    """However far: nothing is cut off, and no distance makes up for what stands before it."""
+    """The order holds at any distance: costs are not clipped, and earlier terms always win."""
     order = [
         Cost(False, 0, 1e-3), Cost(False, 0, 10.0), Cost(False, 0, 1e9), Cost(False, 1, 1e-3),
         Cost(True, 0, 1e-3), Cost(True, 0, 10.0), Cost(True, 0, 20.0), Cost(True, 1, 0.0),

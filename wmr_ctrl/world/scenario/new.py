@@ -129,7 +129,7 @@ def _values(sheet: Sheet, base: str) -> dict[str, Value]:
 
 
 def _pair(stated: Mapping[str, Value], key: str, guess: tuple[float, float]) -> tuple[float, float]:
-    """Both axes of a key; ``guess`` of those that no file states."""
+    """Values of a key on both axes; ``guess`` for an axis without a value in the files."""
     sizes = {name: value for name, value in stated.items() if isinstance(value, float)}
     pair = stated.get(key, tuple(sizes.get(f"{key}[{i}]", guess[i - 1]) for i in (1, 2)))
     assert isinstance(pair, tuple)

@@ -195,7 +195,7 @@ class Scenario:
 
     @property
     def obstacles(self) -> tuple[Shape, ...]:
-        """What the body must not touch: of the reference, then of the world."""
+        """Shapes that the body must not touch: first the reference's, then the world's."""
         return (*self.reference.keep_out, *self.world.shapes)
 
     @property

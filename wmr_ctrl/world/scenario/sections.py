@@ -97,7 +97,7 @@ class Body(Section, key="body"):
 
 
 class World(Section, key="world"):
-    """What stands around the robot, and is seen without error by a filter with `free_error`."""
+    """Obstacles around the robot, which a filter with `free_error` sees without error."""
 
     obstacles: tuple[Shape, ...] = quantity(
         (), "m", "circles [x, y, r], polygons [[x, y], ...]", kind="shapes"
@@ -210,7 +210,7 @@ class Limits(Section, key="limits"):
         return linear, angular
 
     def _relate_sides(self) -> None:
-        """What is left out of v_u1, v_min and v_max follows; ScenarioError for impossible ones."""
+        """Derive unstated ones of v_u1, v_min and v_max; ScenarioError for impossible ones."""
         stated = [side for side in (self.v_min, self.v_max) if not isinstance(side, Unstated)]
         if isinstance(self.v_u1, Unstated) and stated:
             larger = derived(max(map(abs, pair)) for pair in zip(*stated, strict=True))

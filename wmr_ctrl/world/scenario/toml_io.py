@@ -48,7 +48,7 @@ _PRESETS = files("wmr_ctrl.world.scenario") / "presets"
 
 @lru_cache(maxsize=1)
 def preset_names() -> tuple[str, ...]:
-    """Return the names of all presets, those of the paper first."""
+    """Return the names of all presets; the paper's come first."""
     names = (item.name for item in _PRESETS.iterdir() if item.is_file())
     presets = [name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)]
     return tuple(sorted(presets, key=lambda name: (not name.startswith("paper"), name)))
@@ -219,7 +219,7 @@ def raw_of(source: str) -> Raw:
 
 
 def notes(source: str) -> dict[str, str]:
-    """Comments beside the keys of a preset or file, and of what it extends; the nearest counts."""
+    """Comments beside the keys of a preset or file and of its bases; the nearest file counts."""
     text = read_text(Path(source), "scenario") if is_path(source) else _preset_text(source)
     document, found = tomlkit.parse(text), dict[str, str]()
     if base := document.get("extends"):

@@ -78,7 +78,7 @@ def library():
 
 
 def start(scenario):
-    """What a run of the body starts from, to the bit."""
+    """Initial state of a run of the body, as text exact to the bit."""
     body, robot = RigidBody(scenario), scenario.robot
     kind = mujoco.mjtState.mjSTATE_INTEGRATION
     state = np.empty(mujoco.mj_stateSize(body.model, kind))
