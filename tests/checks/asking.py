@@ -1,4 +1,4 @@
-"""Warnings of a setup by their key, without the checks that never tell it; a loop's matrix."""
+"""Warnings of a setup by key, without checks that never report that key; a loop's matrix."""
 
 from wmr_ctrl.theory.checks import CHECKS
 from wmr_ctrl.theory.checks.sample_time import sample_time

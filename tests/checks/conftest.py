@@ -20,7 +20,7 @@ def loop():
 
 @pytest.fixture(scope="session")
 def told():
-    """The warnings, optionally those of one key."""
+    """Return a function that gives the warnings about a setup, or about one key."""
 
     def ask(law, overrides=None, scenario=NOMINAL, key=""):
         return told_of(settle(load_scenario(scenario, overrides), law), key)

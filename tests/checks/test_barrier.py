@@ -1,4 +1,4 @@
-"""How hard the barrier pulls, and whom it cannot hold."""
+"""The strength of the barrier, and the robots that it cannot hold."""
 
 from dataclasses import replace
 

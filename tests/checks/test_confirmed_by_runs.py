@@ -1,4 +1,4 @@
-"""What checks report about late poses, unmodelled friction and wrong masses, confirmed by runs."""
+"""Runs confirm the reports of checks on late poses, unmodelled friction and wrong masses."""
 
 import re
 
@@ -44,7 +44,7 @@ def test_it_is_as_far_behind_as_told():
 
 
 def cycles(overrides, law):
-    """Whether a displacement of a tenth of a millimetre grows, on a floor without friction."""
+    """Return whether a displacement of 0.1 mm grows on a floor without friction."""
     still = {"robot.mu": 0.0, "model.mu": 0.0, "initial.pose": [1e-4, 0.0, -1.5707],
              "initial.velocity": [0.2, 0.1], "clock.duration": 40.0}  # fmt: skip
     torque = simulate("paper-simulation-nominal", law, overrides=still | overrides)["tau_right"]

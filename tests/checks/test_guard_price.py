@@ -12,7 +12,10 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 def test_the_price_is_that_of_the_largest_friction_of_the_run(loop):
-    """v_u1 - (mu m g + dbar)/(M_min alpha), mu and m those of the change that brakes most."""
+    """The usable speed is v_u1 - (mu m g + dbar)/(M_min alpha).
+
+    The change with the largest friction gives mu and m.
+    """
     numbers = """
         guard.enabled = true; guard.M_min = [25.0, 2.7]; guard.dbar = [60.0, 10.0]
         changes = [{t = 5.0, mu = 0.3}, {t = 9.0, mu = 0.1, m = 55.0}]
@@ -78,7 +81,7 @@ def test_a_voided_guarantee_names_a_key_of_the_scenario(told, text):
 
 
 def test_a_slow_rate_of_approach_is_told_to_be_raised(told):
-    """Where guard.alpha is stated, a shorter period hardly buys any speed."""
+    """A shorter period hardly raises the usable speed if guard.alpha is stated."""
     fast = {"reference.kind": "line", "reference.speed": 0.7}
     (found,) = told("pid", fast, scenario="robot-10ms", key="guard.dbar")
 

@@ -165,7 +165,7 @@ def test_a_firmware_that_clips_the_reference_is_named():
 
 
 def test_the_least_stable_delay_is_reported():
-    """A law that counts on the commands under way is made for its delay."""
+    """The least stable delay is reported for laws that predict over commands in transit."""
     words = Stability(0.0, 0.3, 0.2, None, 1e-4, least_delay=0.1)
 
     assert words.delay_words == "for a delay of 0.1 to 0.2 s"

@@ -1,4 +1,4 @@
-"""Numbers that checks tell, against sums of the tests' own."""
+"""Numbers in the warnings of checks, against the tests' own calculations."""
 
 import math
 import re
@@ -81,7 +81,7 @@ def test_the_oldest_velocity_is_as_old_as_its_age_and_its_window():
 
 
 def test_points_of_a_reference_lie_within_its_cycle():
-    """A run of eight of them would else be looked at in one place."""
+    """Points spread over a run of eight cycles would all be at one place of the reference."""
     eight = {"reference.kind": "lemniscate", "reference.rate": 2 * math.pi / 10}
     points = operating_points(load_scenario("paper-simulation", eight))
 

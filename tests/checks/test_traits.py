@@ -1,4 +1,4 @@
-"""A law is told of Eq. (7), a theorem, a barrier or a believed model only where it has one."""
+"""Warnings mention Eq. (7), a theorem, a barrier or a model only for laws that have one."""
 
 import re
 

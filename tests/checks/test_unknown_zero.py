@@ -28,7 +28,7 @@ TORQUE, VELOCITY = "paper-simulation-nominal", "turtlebot3-burger"
 
 
 def draws(seed):
-    """Presets with bounds of which about a third is 0, on one axis or both."""
+    """Yield presets and changes that set bounds, about 40 % of them to 0, on one axis or both."""
     rng = np.random.default_rng(seed)
 
     def pair(most):

@@ -1,4 +1,4 @@
-"""What all warnings have in common."""
+"""Common properties of all warnings."""
 
 import re
 

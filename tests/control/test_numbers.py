@@ -1,4 +1,4 @@
-"""Which numbers a setup's graphs do not depend on, and their ranges."""
+"""Numbers that a setup's graphs do not depend on, and their ranges."""
 
 import pytest
 

@@ -27,7 +27,7 @@ def test_one_limit_is_that_of_both_directions():
 
 
 def test_what_is_kept_back_is_a_share_of_the_larger_limit():
-    """A direction without any speed of its own still loses what rounding of the other may add."""
+    """A direction with a limit of 0 still loses the rounding margin of the opposite direction."""
     scenario = load_scenario("paper-simulation", APART)
 
     assert numbers(scenario) == [[0.3, 0.9], [0.0, 0.4]]

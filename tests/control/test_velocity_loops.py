@@ -56,7 +56,7 @@ def driven(scenario, commands, push=(0.0, 0.0)):
 @pytest.mark.slow_but("0.6")
 @pytest.mark.parametrize("damping", [0.3, 0.6, 1.5])
 def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping):
-    """The worst push is one that turns with the sign of its own effect; it reaches nearly all."""
+    """The worst push changes sign with its effect, and nearly reaches the bound."""
     scenario, h, w = base(f"base.damping = {damping}"), 0.001, 6.0
     mass = scenario.robot.m
     shares = driven(scenario, np.zeros((4000, 2)), (1.0, 0.0))[:, 0] * mass  # of a steady push
@@ -124,7 +124,7 @@ def test_bad_loops_are_refused_by_name(wrong, words):
 
 
 def test_keys_of_another_loop_do_nothing():
-    """They are named as idle, so that a file that extends another may leave them."""
+    """Keys of another loop are listed as idle, so a file that extends another may keep them."""
     extended = base("base.tau = 0.7; base.kp = 9.0")
     assert {"base.tau", "base.kp"} <= {*idle_keys(extended)}
     assert not {"base.gain", "base.frequency", "base.damping"} & {*idle_keys(extended)}

@@ -1,4 +1,4 @@
-"""Functions of higher layers, imported when asked for."""
+"""Functions of higher layers are imported on first use."""
 
 import pytest
 

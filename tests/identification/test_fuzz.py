@@ -75,7 +75,7 @@ def altered(draw, data):
 
 
 def spoilt_bag(draw, folder):
-    """Path of a bag with odd messages, or of which files are altered."""
+    """Write a bag with odd messages or an altered file, and return a path to it."""
     share, rows = draw.choice([0.0, 0.0, 0.002, 0.3]), []
 
     def odd(value, others=SIZES):

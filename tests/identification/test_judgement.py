@@ -1,4 +1,4 @@
-"""A fit judges itself: structures beside the loop are named, and what nothing explains is told."""
+"""A fit judges itself: it names effects beside the loop, and reports unexplained motion."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Faults that logs have are told by name, before anything is fitted; good logs are not accused."""
+"""Faults of logs are named before anything is fitted, and good logs are not accused."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A drive that is proposed keeps limits and floor, and tells what a poor log could not."""
+"""A proposed drive keeps to the limits and the floor, and shows what a poor log does not."""
 
 import numpy as np
 import pytest

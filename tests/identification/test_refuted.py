@@ -51,7 +51,7 @@ def test_clocks_that_drift_apart_look_like_a_delay_that_changed(driven):
 
 
 def changed(values, seconds=30.0):
-    """Changes in fifteen blocks of time, each of which knows its own value to 1 %."""
+    """Return the changes found in fifteen blocks of time that each determine a value to 1 %."""
     names = ("m", "I", "delay")
     values = np.array([values] * 3).T
     theta = values.mean(axis=0)
@@ -62,7 +62,7 @@ def changed(values, seconds=30.0):
 
 @pytest.mark.parametrize("ends", range(3, 13))
 def test_values_of_blocks_that_step_are_told_with_the_time_of_the_step(ends):
-    """30 and 36 by their logarithms, and a delay by itself."""
+    """The step from 30 to 36 is in logarithms for the mass; a delay has its own values."""
     found = changed(np.where(np.arange(15) < ends, np.log(30.0), np.log(36.0)))
 
     times = {name: item.time for name, item in found.items()}

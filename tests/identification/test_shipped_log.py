@@ -1,4 +1,4 @@
-"""The tutorial's log is what its script writes, is small, and tells what its page says."""
+"""The tutorial's log equals its script's output, is small, and gives the numbers of its page."""
 
 import numpy as np
 import pytest

@@ -57,7 +57,7 @@ class CaseTerms(TermArithmetic):
         return not args[0] if op == "not" else (all(args) if op == "and" else any(args))
 
     def number(self, condition):
-        """1 or 0."""
+        """Return the term 1 for a true condition, else 0."""
         return self.constant(int(condition))
 
     def _decided(self, condition):
@@ -70,9 +70,9 @@ class CaseTerms(TermArithmetic):
 
 
 def cases(statement):
-    """Each goal and each domain in each case, as SMT-LIB 2 text that has to be unsatisfiable.
+    """Yield each goal and domain in each case, as SMT-LIB 2 text that must be unsatisfiable.
 
-    UndecidedError where there are more than MOST cases.
+    Raises UndecidedError for more than MOST cases.
     """
     if statement.computed:
         raise UndecidedError("rounded results that are read have to be defined as well")

@@ -1,4 +1,4 @@
-"""Whether an altered function is noticed by one entry."""
+"""Tests whether one entry notices an altered function."""
 
 from wmr_ctrl.results.ledger import OPEN, PROVED
 from wmr_proofs import noticed

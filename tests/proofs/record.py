@@ -51,7 +51,7 @@ def record(ledger):
 
 
 def certified(ledger):
-    """How many entries by z3 rest on certificates, as `COUNTING` pages say it."""
+    """Return the number of z3 entries with certificates, as worded on the `COUNTING` pages."""
     asked = [entry for entry in ledger.entries if re.search(r"\bZ3\b", entry.method)]
     return f"{sum(1 for entry in asked if entry.certificate)} of {len(asked)} entries by z3"
 
@@ -84,9 +84,9 @@ def examined(entry, anew=False):
 
 
 def confirmed(entry):
-    """An entry with the solvers that agree, where it rests on one alone so far.
+    """Return an entry with the other solvers that agree, if none has confirmed it yet.
 
-    Solvers are not asked where all obligations have certificates.
+    No solver runs if all obligations have certificates.
     """
     claim = _claim_of(entry)
     if entry.certificate or entry.confirmed_by or not claim.statement or not uses_z3(claim.method):

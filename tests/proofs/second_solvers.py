@@ -58,10 +58,10 @@ def programs():
 
 
 def confirmed_by(statement, point=None, patience=PATIENCE):
-    """The first solver that finds every goal and every domain unsatisfiable, too; else nothing.
+    """Return the first solver that finds every goal and every domain unsatisfiable, or ().
 
-    As a whole or in every case of its choices (`tests.proofs.cases`).  And the hypotheses
-    satisfiable, at ``point`` if one is given.  Of a statement of parts, of each by itself.
+    It does so as a whole or in every case of the choices (`tests.proofs.cases`). It must also find
+    the hypotheses satisfiable, at ``point`` if given. Parts of a statement are taken one by one.
     """
     if statement.parts:
         found = [confirmed_by(part, own_point(point or {}, part, key), patience)

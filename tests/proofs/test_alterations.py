@@ -75,7 +75,7 @@ def changes_a_verdict(function, old, new, ids):
 
 
 def test_what_nobody_stated_stays_so_where_results_are_altered():
-    """The guard of an altered `settle` has one limit for both directions, as it was told."""
+    """The guard of an altered `settle` has one limit for both directions, as stated."""
     claim = next(item for item in all_claims() if item.id.startswith("guard.assembled"))
     changed = built(claim, {"wmr_ctrl.control.setup:settle": lambda value: 1.25 * value})
 

@@ -31,12 +31,12 @@ CONDITIONS = controller._built_for
 
 
 def bypassed(asked, *others):
-    """The guard's answer with the force that was asked for in the place of the safe one."""
+    """The guard's answer with the requested force in place of the safe one."""
     return replace(guard.guarded(asked, *others), force=asked)
 
 
 def unsafe_anchor(asked, v, both, coming):
-    """The safe point that the wheels keep free is whatever was asked for."""
+    """The guard's answer with the requested force as the safe point for the wheels."""
     return replace(guard.guarded(asked, v, both, coming), safe=asked)
 
 
@@ -62,13 +62,13 @@ def any_drives(*given):
 
 
 def capped(std, truncate, believed):
-    """The bound of torque noise, of which no more than three standard deviations count."""
+    """Bound of torque noise that ignores noise beyond three standard deviations."""
     thrust = 2.0 * std * min(truncate, 3.0) / believed[0]
     return thrust, thrust * believed[1]
 
 
 def kept_late(self, torque):
-    """The torque that is kept as applied is that of one sample later than it acts."""
+    """Memory of applied torques in which each torque is stored one sample too late."""
     return [torque, *([torque, *(item.sym for item in self.earlier)][: len(self.earlier)])]
 
 
@@ -110,7 +110,7 @@ def whole_shares(context):
 def test_what_feeds_guard_and_law_and_is_exported_is_in_an_entry(
     monkeypatch, key, place, name, stand_in
 ):
-    """What two of z3's engines prove is more than they can with the stand-in."""
+    """Two of z3's engines prove the entry, but not with the stand-in."""
     claim, engines = ENTRIES[key], [*portfolio.ENGINES.items()][:2]
     monkeypatch.setattr(portfolio, "ENGINES", dict(engines))
     assert claim.method.decide(claim.statement(CLAIMED)).verdict == PROVED
@@ -146,7 +146,7 @@ def test_law_and_map_have_no_part_in_the_flag():
 
 
 def is_told(system):
-    """Each element that a System gives, remembers and publishes, by its name."""
+    """Return the elements of a System's outputs, next state and diagnostics by name."""
     ports = (*system.outputs, *system.diagnostics)
     told = {
         f"{item.signal.name}[{i}]": part

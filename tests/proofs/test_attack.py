@@ -40,7 +40,7 @@ def nodes(tree):
 
 
 def altered_certificate(certificate, rng, other):
-    """One thing changed at random; None where it cannot be."""
+    """Return a certificate with one random change, or None if it cannot be changed."""
     made = copy.deepcopy(certificate)
     every = list(nodes(made["proof"]))
     sums = [node for node in every if node[0] == "sum"]
@@ -103,7 +103,7 @@ def altered_certificate(certificate, rng, other):
 
 
 def altered_text(text, rng):
-    """One thing changed at random in an assertion or a definition; None where it cannot be."""
+    """Change an assertion or a definition at random; return None if nothing can be changed."""
     lines = text.split("\n")
     places = [k for k, line in enumerate(lines) if line.startswith(("(assert", "(define"))]
     place = rng.choice(places)

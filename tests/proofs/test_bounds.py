@@ -1,4 +1,4 @@
-"""Each number of each effect's bound is compared with the effect's own graph by an entry."""
+"""Entries compare every number of every effect's bound with the effect's graph."""
 
 import ast
 import inspect
@@ -53,7 +53,7 @@ LEAST = ("lag", "lag", 0)
 
 
 def rows():
-    """(effect, number of its bound, axis, entry), of numbers that are no pairs with axis None."""
+    """Yield (effect, number of its bound, axis, entry); the axis of a single number is None."""
     for effect, numbers in COMPARED.items():
         for number, text in numbers.items():
             if number not in PAIRS:

@@ -30,7 +30,7 @@ def product(*facts, times="1", squares=()):
 
 
 def total(*products, multiples=()):
-    """A sum."""
+    """Return the node of a sum."""
     return ["sum", list(products), [list(item) for item in multiples]]
 
 

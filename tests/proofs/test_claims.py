@@ -151,7 +151,7 @@ def test_what_is_asked_for_is_printed_in_full_and_written_as_json(tmp_path, caps
 
 
 def test_workers_end_with_their_parent():
-    """A worker whose parent is killed, which cleans nothing up, is gone a moment later."""
+    """A worker ends soon after its parent is killed, although the parent cleans nothing up."""
     code = (
         "import os, sys, time; from multiprocessing import get_context;"
         "from wmr_proofs.runner import follow_parent;"
@@ -258,7 +258,7 @@ was proved."""
 
 
 def proved_again():
-    """Every sixth of those that cost less: what solves is tested on them, and by the methods."""
+    """Return every EACH-th of the entries that cost less than COSTLY, to test the solvers."""
     return [entry.id for entry in load().entries if entry.seconds < COSTLY][::EACH]
 
 

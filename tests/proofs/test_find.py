@@ -1,4 +1,4 @@
-"""What `wmr_proofs.find` finds is what `wmr_proofs.check` accepts."""
+"""`wmr_proofs.check` accepts the certificates that `wmr_proofs.find` finds."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What each method must leave open: undefined somewhere, not decided, or beyond what it knows."""
+"""Statements that each method must leave open: undefined somewhere, undecided or unsupported."""
 
 from fractions import Fraction
 

@@ -39,7 +39,7 @@ def ways(rng):
 
 
 def several(rng, count):
-    """So many columns of positive numbers."""
+    """Return ``count`` columns of positive numbers."""
     return [positive(rng) for _ in range(count)]
 
 
@@ -74,7 +74,7 @@ def calculated(formula, *numbers):
 
 
 def left(most, value, *sizes):
-    """What ``value`` leaves of ``most``, over the largest of all sizes."""
+    """Return the margin ``most - value``, relative to the largest of all sizes."""
     size = np.maximum.reduce([np.abs(item) + 0 * most for item in (most, value, *sizes)])
     return (most - value) / np.maximum(size, 1e-300)
 

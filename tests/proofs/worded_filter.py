@@ -138,7 +138,7 @@ def one_axis(rng):
 
 
 def axes_of(more):
-    """Bounds by axis, where no wheel is limited."""
+    """Return bounds by axis, if no wheel is limited."""
     return APART if {"filter.channels", "filter.wheel_speed"}.isdisjoint(more) else {}
 
 

@@ -15,7 +15,7 @@ def test_a_dead_band_takes_small_commands_for_zero_and_leaves_the_others():
 
 
 def test_what_it_drops_is_at_most_the_dead_band_and_as_good_as_all_of_it():
-    """What governor and band count in `filter.d`: 0 acts instead of a smaller command."""
+    """`dropped` bounds the change of a command in the dead band, where 0 acts, and is tight."""
     scenario = based(deadband=[0.05, 0.1])
     told = np.array(COMMAND_DEAD_BAND.bounded(scenario).dropped)
     wanted = np.random.default_rng(4).uniform(-2.0, 2.0, (2000, 2)) * told

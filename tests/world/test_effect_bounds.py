@@ -1,4 +1,4 @@
-"""Bounds that effects state, against numbers by hand; that motions keep them is in the ledger."""
+"""Bounds stated by effects, against numbers by hand; the ledger shows that motions keep them."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Commands that come late by a time of their own."""
+"""Commands that are late by different times."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Words for a robot that changes: the fewest numbers that tell its states apart."""
+"""Words for a robot that changes: the fewest numbers that distinguish its states."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Which axes a kind of speed loop drives."""
+"""Axes that each kind of speed loop drives."""
 
 from tests.world.motion import based
 from wmr_ctrl.world.scenario import override

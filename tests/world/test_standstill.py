@@ -26,7 +26,7 @@ def pushed(**base):
 
 
 def braked(scenario, commands):
-    """Whether the base is held, for a command in each plant step."""
+    """Return whether the base is held, for one command per plant step."""
     system = STANDSTILL.system(scenario)
     step = system.function("act", [ca.densify(system.update), ca.densify(system.d)])
     state, found = np.array(system.x0), []

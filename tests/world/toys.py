@@ -43,7 +43,7 @@ THETA = PLANT_STATE[2]
 
 
 class ToyGyro(Section, key="toy_gyro"):
-    """How fast the bias walks."""
+    """Rate at which the bias walks."""
 
     walk: float = quantity(0.0, unit="rad/s", doc="largest step of the bias in a sample", minimum=0)
 
@@ -80,7 +80,7 @@ GYRO = Effect(
 
 
 class ToyRamp(Section, key="toy_ramp"):
-    """How fast the torque may change."""
+    """Rate at which the torque may change."""
 
     rate: float = quantity(0.0, unit="N.m/s", doc="largest rate; 0: the torque jumps", minimum=0)
 
@@ -111,7 +111,7 @@ RAMP = Effect("toy ramp", EffectRole.DRIVE, ToyRamp, ramp, rate=Rate.STEP)
 
 
 class ToySlope(Section, key="toy_slope"):
-    """How steep the ground is."""
+    """Slope of the ground."""
 
     angle: float = quantity(0.0, unit="rad", doc="rise of the ground along +X", minimum=0)
 
@@ -143,7 +143,7 @@ SLOPE = Effect("toy slope", EffectRole.DISTURBANCE, ToySlope, slope, slope_bound
 
 
 class ToyGust(Section, key="toy_gust"):
-    """How strong the gusts are."""
+    """Strength of the gusts."""
 
     torque: float = quantity(0.0, unit="N.m", doc="standard deviation of a step's kick", minimum=0)
 

@@ -1,4 +1,4 @@
-"""Filters of bases with dead bands and ramps of wheels, and of those with a least radius."""
+"""Filters for bases with dead bands and ramps of wheels, or with a least turning radius."""
 
 import math
 

@@ -244,7 +244,10 @@ def test_priority_gives_one_axis_all_that_it_can_have():
 @pytest.mark.parametrize("wheels", [{}, {"channels": "wheels"}])
 @pytest.mark.parametrize("rim", [None, 0.9])
 def test_parameters_that_nothing_can_keep_stop_the_base_and_are_told(wheels, rim):
-    """The least of two limits is a limit even if the other is no number: neither is then kept."""
+    """A parameter that is NaN, negative or infinite gives a command of 0 and a flag.
+
+    The minimum of two limits would hide a NaN in one of them, so both are checked.
+    """
     system = filter_system(scenario(**wheels, wheel_speed=rim))
     step = system.function("step", [system.update, system.y])
     places = [name for item in system.params for name in item.signal.elements]

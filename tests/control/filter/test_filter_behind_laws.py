@@ -1,4 +1,4 @@
-"""Laws behind the filter remember what was sent, not what they asked for: nothing winds up."""
+"""Laws behind the filter remember the command sent, not their own command: nothing winds up."""
 
 import numpy as np
 import pytest

@@ -217,7 +217,7 @@ def test_untimely_calls_are_what_the_graph_says(name, float32, tmp_path):
 
 
 def test_a_limit_of_wheels_is_lowered_in_single_precision():
-    """A rim came to 1 + 2e-7 of it while it was none of those that were lowered."""
+    """The rounding margin lowers ``filter.wheel_speed``, too; a rim once reached 1 + 2e-7 of it."""
     system = filter_system(scenario(wheel_speed=1.2))
     pairs = zip(system.params, with_margin(system).params, strict=True)
     lowered = {old.signal.name for old, new in pairs if old.value != new.value}

@@ -1,4 +1,4 @@
-"""PI loops of runs, held over plant steps: what each step does is within what filters count on."""
+"""PI loops held over plant steps: the effect of each step is within the filters' assumptions."""
 
 import math
 
@@ -45,7 +45,7 @@ def steps(
 
 
 def swung(speeds):
-    """Largest speed that commands, or pushes, of at most 1 lead to: the sum of all changes."""
+    """Largest speed that commands (or pushes) of at most 1 can cause: the sum of all changes."""
     return float(np.abs(np.diff(speeds, prepend=0.0)).sum())
 
 
@@ -67,7 +67,11 @@ def test_the_peak_gain_of_a_run_is_that_of_its_held_loop_where_it_is_the_larger(
 
 @pytest.mark.parametrize("z, share", [(0.2, 0.0), (0.7, 0.4), (1.5, 0.0), (2.5, 0.4)])
 def test_no_loop_that_is_held_swings_more_than_it_is_said_to(z, share):
-    """It is said to swing 3 % more at most; a ``share`` of its damping is friction."""
+    """The computed peaks bound the peaks of the held loop.
+
+    Their gain is at most 3 % larger, unless the loop without a hold has a larger gain.
+    ``share``: the part of the damping that is friction.
+    """
     M, h, w0 = 20.0, 0.01, 4.0
     k, ki = 2 * z * w0 * M, w0**2 * M
     own = {"M": M, "kp": (1 - share) * k, "ki": ki, "c": share * k}
@@ -84,7 +88,7 @@ def test_no_loop_that_is_held_swings_more_than_it_is_said_to(z, share):
 @pytest.mark.slow
 @pytest.mark.parametrize("h", [0.001, 0.01])
 def test_the_tables_of_a_band_hold_every_step_of_the_held_loop(h):
-    """And those of the family alone do not hold as long a step."""
+    """The tables without the held loop do not bound the response to a step of that length."""
 
     def beyond(run):
         known, response = enclosed(run, 0), steps(h)
@@ -152,7 +156,7 @@ def stepped(v, u, mu, h):
 
 
 def rim(limit, mu, h, asked, l=0.25):
-    """Largest speed of a rim while each of ``asked`` is asked for once, with true odometry."""
+    """Return the largest speed of a rim during the requests ``asked``, with exact odometry."""
     top, v, w = 0.0, 0.0, 0.0
     for demand in asked:
         u = limit.step(demand, (v, w)).command
@@ -163,7 +167,10 @@ def rim(limit, mu, h, asked, l=0.25):
 
 
 def test_a_governor_counts_on_friction_that_changes_within_a_plant_step():
-    """Held back near rest, the base is faster than the governor knows when it turns round."""
+    """Friction holds the base back near rest, so it reverses faster than the governor assumes.
+
+    The proposed ``filter.tau`` covers this.
+    """
     told = {"kind": "governor", "tau": [0.2, 0.2]}
     stated = based(VELOCITY | changes("""
         base.tau = [0.2, 0.2]
@@ -202,7 +209,7 @@ def limited(stated, mu, h):
 
 
 def told(stated):
-    """d of v as it is told where a run is refused for less [m/s]."""
+    """Return the bound d of v [m/s] that the refusal of a run proposes."""
     with pytest.raises(ScenarioError, match=r"holds back v alone. Raise it to that") as refused:
         settle(stated, "kanayama")
     return float(str(refused.value).split("up to ")[1].split(" m/s")[0])

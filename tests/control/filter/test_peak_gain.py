@@ -179,7 +179,10 @@ def exact_push(k, s):
     ((50.0, 60.0), (150.0, 165.0), (300.0, 320.0), (20.0, 40.0)),
 ])  # fmt: skip
 def test_the_search_ends_where_the_corner_is_that_is_known_to_be_the_worst(family):
-    """Friction that is surely there counts, and sides of no length are no trouble."""
+    """The peaks are those of the worst corner, also for boxes with sides of length 0.
+
+    The least friction of the box is taken into account.
+    """
     M, kp, ki, c = family
     found = PiLoop(*family).peak(1.0)
     with flint.ctx.workprec(200):

@@ -55,7 +55,7 @@ def test_a_stop_is_made_of_its_parts():
 
 @pytest.mark.parametrize("changes", [{}, RAMPS])
 def test_the_filter_lets_a_base_drive_on_from_that_distance_alone(changes):
-    """At rest in speed, told exactly, commands of the speed pass; a millimetre less, and not."""
+    """A steady command passes if the free way is 2 mm longer than the stop, not if 2 mm shorter."""
     scenario = override(SCENARIO, changes)
     speed = 0.4
     needed = stopping(scenario, speed).distance

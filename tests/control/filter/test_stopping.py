@@ -1,4 +1,4 @@
-"""A governor that is told limits and free ways: adversaries, and what each input does."""
+"""A governor with limits and free ways as inputs: adversaries, and the effect of each input."""
 
 import math
 from dataclasses import replace
@@ -114,7 +114,7 @@ def test_the_mirrored_drive_is_sent_the_mirrored_commands(signs):
 
 
 def holds(filtered, memory):
-    """Whether a request waits: it passes once its pull, which depends on limits, adds up."""
+    """Tell whether a request waits in memory. It passes when its summed pull is large enough."""
     names = [item.signal for item in filtered.system.state]
     at = sum(item.size for item in names[: [item.name for item in names].index("waited")])
     return memory[at : at + 4].any()
@@ -146,7 +146,7 @@ WORSE = {
 @pytest.mark.filterwarnings("ignore:dt = inf")
 @pytest.mark.parametrize("name", [*NO_MORE, *WORSE])
 def test_an_input_or_a_bound_that_is_worse_never_sends_more(name):
-    """Commands are no larger, except by the margin for roundings, a share of the limits."""
+    """Worse inputs or bounds never enlarge a command, except by the rounding margin."""
     told = replace(LATE, free_age=0.2) if name in NO_MORE else replace(LATE, leave=0)
     other, compared = (
         CommandFilter(

@@ -44,7 +44,10 @@ def test_the_farthest_way_is_that_of_one_end():
 @pytest.mark.parametrize("instant", [0.1, 0.15])
 @pytest.mark.parametrize("w, at", [(0.3, 0.1), (0.05, 0.0), (0.8, 0.2)])
 def test_the_largest_steady_speed_stops_the_worst_base_within_the_free_way(w, at, instant):
-    """What comes nearer has done so until the base stands."""
+    """The worst base stops exactly at the end of the free way.
+
+    Obstacles come nearer until it stands.
+    """
     free = 0.9
     m = float(STOP.steady(free, [Reached(instant, at, w)]))
     acts, needs = STOP.acts + STOP.last - instant, []

@@ -53,7 +53,7 @@ class LateGuard:
 
     @cached_property
     def mixed(self):
-        """Time [s] in which either of two commands may act, as it counts for the mean."""
+        """Time [s] in which either of two commands may act, as weighted in the mean."""
         if self.fast is not None:
             return self.late - self.window / 2
         older = math.ceil(40 * self.lag / self.T) + 1
@@ -125,7 +125,7 @@ class LateGuard:
         return lambda which: np.maximum.reduce([self._push(way * sent[j - 1]) for j in which])
 
     def _of_mixed(self, force):
-        """A force, or less where the newest command may act while the one before still does."""
+        """Limit a force if the newest command may act while the previous command still acts."""
         if self.J == 0 and self.fast is None:
             return force
         return min(force, self.M_min * (self.u1 - 2 * self.nbar) / self.mixed)

@@ -24,10 +24,10 @@ BY_SIGN, BY_TIME = 0, 1
 
 @dataclass(frozen=True)
 class Case:
-    """Stated numbers of a guarded robot; forces are those of the first axis, a fifth on the second.
+    """Numbers stated for a guarded robot. Forces are for the first axis; the second has a fifth.
 
-    Times in s, but ``lo``, ``hi``, ``age``, ``window`` and ``lag`` in control periods; where there
-    is a ``fast``, the time constant varies between that and ``lag``.
+    Times are in s, except ``lo``, ``hi``, ``age``, ``window`` and ``lag`` in control periods. If
+    ``fast`` is given, the time constant varies between ``fast`` and ``lag``.
     """
 
     T: float = 0.1
@@ -63,7 +63,7 @@ class Case:
 
 @lru_cache(maxsize=512)
 def settled(case):
-    """The guard by itself, settled with the numbers of a case."""
+    """Settle a guard without a law, with the numbers of a case."""
     changed = changes(f"""
         guard.enabled = true
         guard.trust = true
@@ -117,9 +117,9 @@ class Result:
 
 @dataclass(frozen=True)
 class Thrown:
-    """How robots come outside: a start at ``start`` v_u1, or ``times`` dbar for ``samples``.
+    """The event that brings robots outside: a start at ``start`` v_u1, or a push of ``times`` dbar.
 
-    Either in the direction ``way`` (lanes) of +-1.
+    The push lasts ``samples``. Both act in the direction ``way`` (lanes) of +-1.
     """
 
     way: np.ndarray
@@ -202,7 +202,7 @@ def trial(
 
 
 def _time_constants(draw, lanes, real):
-    """Time constants [s] of both axes for how much more outward force is asked for than acts."""
+    """Return a function of the missing outward force: time constants [s] of both axes."""
     one = real.lag * draw.choice([0.0, 0.3, 1.0, 1.0], lanes)
     if real.fast is None:
         return lambda _: np.tile(real.T * one, 2)
@@ -233,7 +233,10 @@ def _ways(draw, lanes, samples):
 
 
 def _difference(formulas, tails, sent, y, asked, force, free):
-    """How far the product's force is from the formula's where wheels are ``free``; tails go on."""
+    """Largest difference of the product's force from the formula's on lanes with ``free`` wheels.
+
+    Updates ``tails``.
+    """
     apart = 0.0
     for axis, item in enumerate(formulas):
         own = [each[axis] for each in sent]

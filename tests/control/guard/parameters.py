@@ -1,4 +1,4 @@
-"""A guard by itself, asked with other parameters than it was composed for."""
+"""A guard without a law, evaluated with other parameters than it was composed for."""
 
 import numpy as np
 

@@ -122,7 +122,7 @@ def test_where_drives_vary_the_mixed_time_caps_what_brakes():
 
 
 def test_what_is_counted_adds_up_to_the_guard_s_numbers():
-    """Where effects add to a number, they and guard.d_model are the whole of it."""
+    """The effects and guard.d_model add up to each of the guard's numbers."""
     effects = changes("""
         encoder.counts = 4096.0
         actuator.delay = 0.02

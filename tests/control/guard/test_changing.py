@@ -22,7 +22,10 @@ SCENARIO = load_scenario("paper-simulation", STATED)
 
 
 def driven(scenario, trials, falls=1.0, seed=0):
-    """Largest speed beyond the limits in force; those fall ``falls`` times as fast as they may."""
+    """Return the largest speed beyond the limits in force.
+
+    ``falls``: how fast the limits fall, as a multiple of the allowed rate.
+    """
     setup = settle(scenario, "pid")
     system, numbers = guard(setup), setup.guard
     step = system.function("guard", [system.update, system.y]).map(trials)
@@ -61,7 +64,7 @@ def test_limits_that_fall_faster_are_not_kept():
 
 
 def told(limits, steps=1, **changes):
-    """Limits in force after some steps at rest, and whether they are behind those told."""
+    """Return the limits in force after ``steps`` at rest, and whether they lag the given limits."""
     system = guard(settle(override(SCENARIO, changes), "pid"))
     step = system.function("guard", [system.update, system.d])
     x, at = np.array(system.x0), places(item.signal for item in system.state)

@@ -16,7 +16,10 @@ ON = {"guard.enabled": True}
 
 
 def test_commands_under_way_push_by_the_time_that_they_act():
-    """sum of tau_j max(+-F_j + net, 0)/M_min; and a force that is no number becomes a safe one."""
+    """Commands in transit push by the sum of tau_j max(+-F_j + net, 0)/M_min.
+
+    A force that is NaN is replaced by a safe force.
+    """
     row = {"u1": 1.0, "period": 0.01, "M_min": 45.0, "M_max": 70.0, "dbar": 60.0, "nbar": 0.0,
            "alpha": 100.0, "brake": 400.0,
            "f_min": 10.0, "f_speed": 0.0, "delay": 0.015}  # fmt: skip

@@ -84,7 +84,7 @@ def test_an_assumption_that_is_broken_breaks_the_limit(name):
 @pytest.mark.parametrize("delay, jitter", [(0.024, 0.0), (0.017, 0.008)])
 @pytest.mark.parametrize("lag", [0.0, 0.02])
 def test_weights_add_up_to_the_time_that_counts(age, window, delay, jitter, lag):
-    """That of the mean over the window, and of a robot that was at rest."""
+    """The weights sum to ``usual`` for the mean over the window, and to ``most`` after a rest."""
     late = lateness(times_of(age, window, delay, jitter, lag))
     older, share = (late.tail.steady, late.tail.share) if late.tail else (0.0, 0.0)
     mean, rest = (sum(weight for _, weight in pieces) for pieces in (late.mean, late.rest))

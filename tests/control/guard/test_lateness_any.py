@@ -1,4 +1,4 @@
-"""Any numbers at once behind late velocities, jitter and lag: robots outside come back."""
+"""Robots outside return for random combinations of late velocities, jitter and lag."""
 
 import math
 from dataclasses import replace
@@ -59,7 +59,10 @@ def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(se
 
 
 def returned(found, axis, f, thrown):
-    """What docs/explanation/guarantee.md says of robots outside; speeds along the throw."""
+    """Assert the promises of docs/explanation/guarantee.md on robots outside.
+
+    Speeds are taken along the direction of the throw.
+    """
     u1, h = LIMITS[axis], f.T / PARTS
     v = np.vstack([thrown.start * u1 * np.ones(len(thrown.way)), found.seen[:, axis] * thrown.way])
     assert (v >= -u1).all()

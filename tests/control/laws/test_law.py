@@ -1,4 +1,4 @@
-"""What laws have in common: titles, damping, commands that they predict over."""
+"""Common properties of laws: titles, damping, and the commands they predict over."""
 
 import pytest
 

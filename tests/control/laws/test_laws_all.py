@@ -1,4 +1,4 @@
-"""What every control law must satisfy, whichever it is."""
+"""Requirements that every control law must satisfy."""
 
 import tomllib
 

@@ -10,7 +10,7 @@ from wmr_ctrl.control.laws.mb import LAW, inside, rule
 
 
 def test_the_exact_decay_is_that_of_a_whole_period():
-    """The force is linear in the rate: two rates tell which one the option stands for."""
+    """The force is linear in the rate, so two rates give the rate that the option uses."""
 
     rho = np.array([15.0, 57.6])
     texts = "", f"gains.mb.rho = {(2 * rho).tolist()}", "gains.mb.decay = exact"

@@ -79,7 +79,7 @@ def elsewhere(tmp_path, monkeypatch):
 
 
 def refused_in_a_sentence(call):
-    """Whether a call is refused; a refusal is one of ours, with words that end."""
+    """Return whether a call is refused with a WmrError, whose text must end in a full stop."""
     try:
         call()
     except WmrError as error:

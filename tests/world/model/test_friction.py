@@ -1,4 +1,4 @@
-"""The largest force and slope of friction are those of the graph that runs."""
+"""The largest force and slope of friction agree with the graph used in runs."""
 
 import casadi as ca
 import numpy as np

@@ -1,4 +1,4 @@
-"""A reference that is not finite is refused by name; where only the run meets it, it is blamed."""
+"""A reference that is not finite is refused by name, or named as the cause if a run meets it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What robot files say, and which of several counts."""
+"""Numbers found in robot files, and the choice among several."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The section of the command filter: what cannot be asked for together."""
+"""The section of the command filter: keys that cannot be combined."""
 
 import pytest
 

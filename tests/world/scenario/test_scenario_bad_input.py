@@ -126,7 +126,7 @@ def test_nothing_is_quoted_of_a_file_of_another_kind(tmp_path, name, text, key):
 
 
 def one_paragraph_or_none(load):
-    """Tell whether loading gives a scenario, or an error of one line."""
+    """Return whether loading gives a scenario or an error of one line."""
     try:
         return isinstance(load(), Scenario)
     except WmrError as problem:
