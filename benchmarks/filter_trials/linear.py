@@ -74,9 +74,10 @@ HEADINGS = np.array([(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, -3)])
 class Calls:
     """Times of a filter's calls, its knowledge, and the effects between it and its base.
 
-    ``when``: "in time", "at any time", within ``jitter`` [s] of its "beat", a period "apart" but
-    for so much, or each so much too "early".  At most ``losses`` commands in a row are lost, all
-    come ``late`` samples late, and where that is worse ``parts`` quarters of a period more.
+    ``when``: "in time", "at any time", within ``jitter`` [s] of its "beat", a period "apart"
+    give or take ``jitter``, or each ``jitter`` too "early".  At most ``losses`` commands in a row
+    are lost.  All come ``late`` samples late, and ``parts`` quarters of a period more if that is
+    worse.
     """
 
     when: str = "in time"

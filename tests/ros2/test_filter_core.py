@@ -177,7 +177,7 @@ def prompt(scenario):
 
 
 def sent_at(world, *, ros=0, steady=0, simulated=False):
-    """True if a command is answered immediately after times [ms] on the two clocks."""
+    """True if a command that comes later by these times [ms] is answered immediately."""
     world.wait(ros * MS, steady * MS)
     world.simulated = simulated
     reason, gated = world.core.command((0.5, 0.0), world.ros, "base_link", world.now())

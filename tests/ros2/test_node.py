@@ -110,7 +110,7 @@ def test_who_is_interrupted_sends_a_last_zero(seen, live, way):
 
 
 def test_an_interrupt_at_a_bad_moment_ends_it_with_a_last_zero(report):
-    """It comes in a destructor, which drops it, twice, in a long call, a transition, at the end."""
+    """Moments: in a destructor, which drops it; twice; in a long call; in a transition; last."""
     found = {name: item for name, item in report("interrupted").items() if "Broken" not in name}
 
     assert found.pop("AtConfigure") == [0, 0]  # nothing was sent, nor looked around to the end

@@ -153,7 +153,7 @@ def test_any_heading_is_free_where_nothing_is_nearer_than_a_stop_takes():
 
 
 def test_a_laser_never_lets_the_base_where_it_does_not_see():
-    """A view of half a turn allows no motion: an edge of a turning disc leaves the view."""
+    """A view of half a turn allows neither way: an edge of a turning disc leaves the view."""
     core, half = core_of(WIDE), replace(RPLIDAR, first=-math.pi / 2, beams=181)
     ahead, behind, *_ = free_of(core, WIDE)
 
