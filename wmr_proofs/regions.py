@@ -60,7 +60,7 @@ def _sample(k: int) -> Fraction:
     return _SAMPLES[k % len(_SAMPLES)] + Fraction(k % 7, 3 * (1 + k % 5))
 
 
-def at(**coordinates: str | int) -> dict[str, Fraction]:
+def at(**coordinates: str | int | Fraction) -> dict[str, Fraction]:
     """An exact point: whole numbers, or text such as ``4/5`` or ``0.8``."""
     return {name: Fraction(value) for name, value in coordinates.items()}
 

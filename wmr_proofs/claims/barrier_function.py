@@ -183,8 +183,8 @@ def curvatures_compared(mutation: Mutation) -> Statement:
     Given: {OFF_EDGES}.
     """
     a, v, _, _, _ = barrier_axis()
-    second, plain = hessian(a.V, v)[0], hessian(0.5 * a.w**2, v)[0]
-    return a.states(second >= mutation(1, 1.5) * plain, above(plain))
+    plain = hessian(0.5 * a.w**2, v)[0]
+    return a.states(hessian(a.V, v)[0] >= mutation(1, 1.5) * plain, above(plain))
 
 
 @claim("eq81", (81,), by=Ring(all_cases(), log_lemma=True), premises="lemma.log")

@@ -72,8 +72,8 @@ class FilterAxis(Named):
     @property
     def relaxing(self) -> Relations:
         """0 < e <= E <= 1 and kappa = e/(1 - e), e < 1."""
-        e, E = self.e, self.E
-        return e > 0, e < 1, between(e, E, 1), self.kappa * (1 - e) == e
+        e = self.e
+        return e > 0, e < 1, between(e, self.E, 1), self.kappa * (1 - e) == e
 
 
 @claim("filter.drive")
@@ -235,7 +235,7 @@ class AssembledStep(Named):
         kappa, most, least = self.cuts.values()
         up, down = (known.sym[axis] for known in graph.known)
         error = mutation(1, 1.01) * b.nbar
-        there, elapsed = graph.age.sym >= -NEAR * graph.T, graph.elapsed.sym
+        elapsed = graph.elapsed.sym
         timely = logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
         return (
             ahead >= b.dbar, back >= b.dbar, b.dbar >= 0, ahead >= v,
@@ -244,7 +244,7 @@ class AssembledStep(Named):
             f.gone == most, f.kappa > 0, -f.kappa * f.gone == 1 + f.gone,
             -least > 0, least >= most, 1 + most > 0,
             when(timely, (up >= v, down >= -v)),
-            when(there, (error >= y - v, error >= v - y)),
+            when(graph.age.sym >= -NEAR * graph.T, (error >= y - v, error >= v - y)),
             between(1 + most, f.E, 1), graph.T > 0, target >= f.mean,
         )  # fmt: skip
 
@@ -260,8 +260,8 @@ def limits(mutation: Mutation) -> Statement:
     any odometry of the sample, any time since the last one; v and omega limited; no delay, jitter
     or losses, H = T.
     """
-    stated, cuts = load_scenario("paper-simulation", {**STATED, **BY_SIDE}), Cuts()
-    graph = Governor(stated)
+    cuts = Cuts()
+    graph = Governor(load_scenario("paper-simulation", {**STATED, **BY_SIDE}))
     goals, given = Group(), Group()
     for axis, channel in enumerate(graph.channels):
         (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]

@@ -20,7 +20,16 @@ from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.methods.spec import Z3, Ring
 from wmr_proofs.paper_functions import target_rate
 from wmr_proofs.regions import POSITIVE, Case, target_cases
-from wmr_proofs.statement import Relations, Statement, between, every, symbols, when, within
+from wmr_proofs.statement import (
+    Relations,
+    Statement,
+    Symbols,
+    between,
+    every,
+    symbols,
+    when,
+    within,
+)
 
 from .common import LawGraph, barrier_axis
 from .guard_axis import DELAYED, GuardAxis
@@ -105,6 +114,12 @@ MOST = 5
 prediction_claim = Claims()
 
 
+def acting() -> tuple[Symbols, SX, SX, list[SX]]:
+    """Symbols, of them the delay and the period, and for how long each command acts."""
+    t = symbols("delay period")
+    return t, t.delay, t.period, [acts_for(k, t.delay, t.period) for k in range(1, MOST + 1)]
+
+
 @prediction_claim("prediction.times")
 def prediction_times(mutation: Mutation) -> Statement:
     """tau_1 + ... + tau_n = delay, 0 <= tau_j <= T, n = 5.
@@ -113,9 +128,7 @@ def prediction_times(mutation: Mutation) -> Statement:
 
     Given: 0 <= delay <= 5 T; up to 5 commands.
     """
-    t = symbols("delay period")
-    delay, period = t.delay, t.period
-    times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
+    t, delay, period, times = acting()
     total = reduce(SX.__add__, times)
     each = [between(0, time, period) for time in times]
     return Statement(t, (total == mutation * delay, each), between(0, delay, MOST * period))
@@ -127,9 +140,7 @@ def oldest_first(mutation: Mutation) -> Statement:
 
     Only the oldest command under way acts for less than a period.
     """
-    t = symbols("delay period")
-    delay, period = t.delay, t.period
-    times = [acts_for(age, delay, period) for age in range(1, MOST + 1)]
+    t, delay, period, times = acting()
     goals = [older * (newer - mutation * period) == 0 for newer, older in pairwise(times)]
     return Statement(t, goals, (delay >= 0, period > 0))
 
@@ -269,8 +280,8 @@ def sine(mutation: Mutation) -> Statement:
     names = symbols("t")
     t = names.t
     gap, rise = t - sin(t), t**2 / 2 - 1 + cos(t)
-    slope, share = t * cos(t) - sin(t), sin(t) / t
+    slope = t * cos(t) - sin(t)
     at_0 = [vanishes(value, t, 0) for value in (gap, rise, slope)]
-    rates = gradient(rise, t) == gap, t**2 * gradient(share, t) == mutation * slope
+    rates = gradient(rise, t) == gap, t**2 * gradient(sin(t) / t, t) == mutation * slope
     goals = at_0, gradient(gap, t) >= 0, rates, -gradient(slope, t) >= 0
     return Statement(names, goals, (t > 0, sin(t) >= 0))

@@ -187,9 +187,9 @@ def dead_band(mutation: Mutation) -> Statement:
     g = EffectGraph(command_dead_band.COMMAND_DEAD_BAND, {"base.deadband": [0.01, 0.01]})
     goals, most = Group(), g.bound("dropped")
     for i in (0, 1):
-        size, off = g[f"base.deadband[{i + 1}]"], g.system.y[i] - g.system.u[i]
+        off = g.system.y[i] - g.system.u[i]
         goals.append(mutation(1, 0.9) * abs(most[i]) >= abs(off))
-        goals.append(if_else(abs(g.system.u[i]) > size, abs(off), 0) <= 0)
+        goals.append(if_else(abs(g.system.u[i]) > g[f"base.deadband[{i + 1}]"], abs(off), 0) <= 0)
     return g.states(goals, given=nonnegative(*vertsplit(g.column("base.deadband"))))
 
 
@@ -305,13 +305,13 @@ def overtaken(mutation: Mutation) -> Statement:
     arrived last, and what acts is it or the one before, it from the time drawn for it on.
     """
     g = Jittering()
-    h, width, t = g["clock.plant"], g["actuator.jitter"], g.free | symbols("older")
+    h, t = g["clock.plant"], g.free | symbols("older")
     now, waiting, wait = (part[0] for part in vertsplit(g.system.update, [0, 2, 4, 5]))
     acting, last, due = (g[f"{item.name}[1]"] if item is not jitter.DUE else g[item.name]
                          for item in (jitter.ACTING, jitter.WAITING, jitter.DUE))  # fmt: skip
     arrived = g["tau_right"]
     given = (
-        h > 0, width == t.most * h, between(0, t.drawn, t.most),
+        h > 0, g["actuator.jitter"] == t.most * h, between(0, t.drawn, t.most),
         t.phase >= 0, t.steps >= 1, t.steps >= t.phase + 1,
         t.steps >= due, due >= 0, when(t.phase > 0, last == arrived),
         (acting - last) * (acting - mutation(t.older, t.older + 1)) == 0,
@@ -338,9 +338,8 @@ def ramped(mutation: Mutation) -> Statement:
         now, wanted = g[f"{command_ramp.RAMPED.name}[{i + 1}]"], g.system.u[i]
         after, rates = g.system.y[i], [g[f"base.{x}[{i + 1}]"] for x in ("accel", "decel")]
         given += [rate >= a["a"] for rate in rates]
-        left, was = abs(wanted - after), abs(wanted - now)
         goals.append((after - now) * (wanted - after) >= 0)
-        taken = fmax(was - mutation(1, 1.1) * a["a"] * h, 0) >= left
+        taken = fmax(abs(wanted - now) - mutation(1, 1.1) * a["a"] * h, 0) >= abs(wanted - after)
         goals.append(when(now * wanted >= 0, taken))
         goals.append(when(logic_and(now * wanted < 0, after != 0), taken))
     goals += every(g.system.update, g.system.y)

@@ -86,6 +86,11 @@ class EffectGraph(Named):
         with functions_for_traced("wmr_ctrl.world", but="wmr_ctrl.world.effect"):
             return self.effect.bound(scenario), trace
 
+    @property
+    def torque(self) -> SX:
+        """Torques that are asked for."""
+        return vertcat(self["tau_right"], self["tau_left"])
+
     def column(self, name: str) -> SX:
         """The two elements ``name[1]`` and ``name[2]``."""
         return vertcat(self[f"{name}[1]"], self[f"{name}[2]"])
@@ -180,8 +185,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     Given: {WHOLE}.
     """
     g = EffectGraph(encoder.ENCODER, {"encoder.counts": 64.0}, "robot clock")
-    scenario, skidded = g.scenario, g["theta"] + g["skid"]
-    now = encoder.turned(scenario, g.parameters, g["path"], skidded)
+    now = encoder.turned(g.scenario, g.parameters, g["path"], g["theta"] + g["skid"])
     turn = symbols("old_right old_left")
     old = vertcat(turn.old_right, turn.old_left)
     whole = g.column("wheel_counts_1")
@@ -246,11 +250,11 @@ def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
     Given: {WHEELS_SIZES}.
     """
     g = EffectGraph(wheels.WHEELS, {**WHEELS, "actuator.tau_max": 5.0}, "robot actuator motor")
-    told, most = vertcat(g["tau_right"], g["tau_left"]), g["actuator.tau_max"]
+    told = g.torque
     believed = (g["robot.r"], g["robot.l"])
     made, meant = (wheel_to_force(*believed, tau)[axis] for tau in (g.system.y, told))
     bound = g.bound("dbar")[axis]
-    sizes = within(told, most + 0.5 * g["motor.step"])
+    sizes = within(told, g["actuator.tau_max"] + 0.5 * g["motor.step"])
     given = g.above_zero("robot.r", "robot.l"), _shares(g), sizes
     return g.states(within(made - meant, bound * mutation(1, 0.9)), given=given)
 
@@ -323,8 +327,7 @@ def lag_bound(mutation: Mutation) -> Statement:
     sizes = g.above_zero("clock.plant", "actuator.lag", "actuator.lag_spread"), spread < 1
     steps = [most * time * (1 - spread) >= h for most in (t.most_growth, 500)]
     given = sizes, steps, within(x, 1), t.growth > 0, t.most_growth >= t.growth
-    wanted = vertcat(g["tau_right"], g["tau_left"])
-    left = every(g.system.update, wanted + t.decay * (g.column(lag.ACTING.name) - wanted))
+    left = every(g.system.update, g.torque + t.decay * (g.column(lag.ACTING.name) - g.torque))
     goals = mutation(1, 0.9) * slow >= tau, lag.equivalent_lag(h, t.growth) >= fast, left
     cuts = {"most_growth": expm1(h / (time * (1 - spread))), "decay": exp(-h / tau)}
     return g.states(goals, given=given, cuts=cuts, more=t)
@@ -341,10 +344,12 @@ def constant_lag(mutation: Mutation) -> Statement:
     """
     g = EffectGraph(lag.LAG, {"actuator.lag": 0.02}, "clock")
     time = g["actuator.lag"]
-    wanted = vertcat(g["tau_right"], g["tau_left"])
     t, cuts = symbols("decay"), {"decay": exp(-g["clock.plant"] / time)}
     both = [told == mutation * time for told in vertsplit(g.bound("lag"))]
-    goals = both, every(g.system.update, wanted + t.decay * (g.column(lag.ACTING.name) - wanted))
+    goals = (
+        both,
+        every(g.system.update, g.torque + t.decay * (g.column(lag.ACTING.name) - g.torque)),
+    )
     return g.states(goals, given=(time > 0, g["actuator.lag_spread"] == 0), cuts=cuts, more=t)
 
 
@@ -397,7 +402,7 @@ def jitter_bound(mutation: Mutation) -> Statement:
     given = widths, waits
     acts = t.phase >= mutation(t.most, t.most - 1)
     told = [g.bound(name)[0] == width for name in ("delay", "jitter")]
-    goals = when(acts, every(now, vertcat(g["tau_right"], g["tau_left"]))), t.most >= wait, told
+    goals = when(acts, every(now, g.torque)), t.most >= wait, told
     return g.states(goals, given=given, cuts=g.cuts, more=t)
 
 
@@ -563,8 +568,8 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     """
     numbers = {"resistance.rolling": [0.01, 0.02], "guard.M_max": [60.0, 20.0]}
     g = EffectGraph(resistance.RESISTANCE, numbers, "robot guard")
-    v, omega, half = g["v1"], g["omega"], g["robot.l"]
-    right, left = resistance.smoothed(v, half * omega, g["robot.v_s"])
+    v, omega = g["v1"], g["omega"]
+    right, left = resistance.smoothed(v, g["robot.l"] * omega, g["robot.v_s"])
     load = resistance.load_of_wheel(g["robot.m"], g["robot.g"])
     rolling = (g["resistance.rolling[1]"], g["resistance.rolling[2]"])
     more = g.bound("dbar")[axis]
@@ -588,10 +593,10 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
     Given: r, l > 0, std >= 0; |each normal number| <= n.
     """
     g = EffectGraph(torque_noise.TORQUE_NOISE_EFFECT, {"disturbance.truncate": 5.0}, "robot")
-    believed, most = (g["robot.r"], g["robot.l"]), g["disturbance.truncate"]
+    believed = (g["robot.r"], g["robot.l"])
     bound = g.bound("dbar")[axis]
     force = wheel_to_force(*believed, g.system.y)[axis]
-    drawn = within(g.column("torque"), most)
+    drawn = within(g.column("torque"), g["disturbance.truncate"])
     given = g.above_zero("robot.r", "robot.l"), g["disturbance.std"] >= 0, drawn
     return g.states(within(force, bound * mutation(1, 0.9)), given=given)
 

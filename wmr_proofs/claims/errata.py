@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from casadi import SX, cos, fmax, fmin, if_else, sin, sumsqr, vertcat, vertsplit
 
-from wmr_ctrl.world.model.kinematics import auxiliary_velocity, error_rate
+from wmr_ctrl.world.model.kinematics import error_rate
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs import paper_functions as analysis
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
@@ -43,7 +43,7 @@ def only_rest(_: Mutation) -> Statement:
     Given: v1d > 0.
     """
     t = Tracking()
-    rate = error_rate(t.e, auxiliary_velocity(t.e, t.v_d, t.k), t.v_d)
+    rate = error_rate(t.e, t.target, t.v_d)
     return t.states(sumsqr(rate) > 0, given=positive(sumsqr(t.e), t.v_d[0]))
 
 
@@ -58,7 +58,7 @@ def ball(_: Mutation) -> Statement:
     Given: r > 0, k2 = 5.
     """
     t = Tracking("r")
-    given = 0.5 * t.r**2 >= analysis.position_lyapunov(t.e, t.k[1]), t.r > 0
+    given = 0.5 * t.r**2 >= t.V2, t.r > 0
     return Statement(t, t.r**2 >= sumsqr(t.e), given)
 
 
@@ -74,8 +74,7 @@ def omega(_: Mutation) -> Statement:
     t = Tracking("eps0 l")
     radius = analysis.ball_radius(t.eps0, t.l, t.k)
     given = radius**2 >= sumsqr(t.e), t.l > 5, t.eps0 > 0
-    edge = analysis.position_lyapunov(vertcat(0, 0, radius), t.k[1])
-    return t.states(edge >= analysis.position_lyapunov(t.e, t.k[1]), given=given)
+    return t.states(analysis.position_lyapunov(vertcat(0, 0, radius), t.k[1]) >= t.V2, given=given)
 
 
 @claim("eq09.pseudo-inverse", (9,), by=Refute(ON_TARGET))
@@ -133,8 +132,7 @@ def forgetting_binds(mutation: Mutation) -> Statement:
     Given: M1ii > 0.
     """
     t = column("rho", 2) | column("M", 2)
-    sigma, gamma = SX([1, 1]), SX([2, 0.08])
-    rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), sigma, gamma)
+    rate = analysis.decay_rate(stacked(t, "rho", 2), stacked(t, "M", 2), SX([1, 1]), SX([2, 0.08]))
     return Statement(t, mutation(0.081, 0.07) >= rate, positive(t.M1, t.M2))
 
 
@@ -168,15 +166,13 @@ def _undisturbed(t: Tracking) -> SX:
 
 def _limited(t: Tracking) -> SX:
     """v_c1 of both axes."""
-    target = auxiliary_velocity(t.e, t.v_d, t.k)
-    return vertcat(*(barrier.minimiser(target[i], t[f"u1{i + 1}"], t[f"u2{i + 1}"])
+    return vertcat(*(barrier.minimiser(t.target[i], t[f"u1{i + 1}"], t[f"u2{i + 1}"])
                         for i in (0, 1)))  # fmt: skip
 
 
-LIMITS: dict[str, str | int] = {"u11": 1, "u12": "3/2", "u21": "4/5", "u22": "13/10"}
-GAINS: dict[str, str | int] = {"k1": 10, "k2": 5, "k3": 4}
-FAST = (at(e1=1, e2=0, e3=0, v1d="9/10", v2d=0, **GAINS, **LIMITS),)
-SIDEWAYS = (at(e1=0, e2=3, e3="1/2", v1d="1/5", v2d="1/10", **GAINS, **LIMITS),)
+LIMITS = at(u11=1, u12="3/2", u21="4/5", u22="13/10")
+FAST = (at(e1=1, e2=0, e3=0, v1d="9/10", v2d=0, k1=10, k2=5, k3=4, **LIMITS),)
+SIDEWAYS = (at(e1=0, e2=3, e3="1/2", **PAPER, **LIMITS),)
 RATES = tuple(at(e1=1, e2=0, e3=0, value=1, rate=rate) for rate in ("-1/2000", "-1/500"))
 START = {
     name: (Fraction(low), Fraction(high))
@@ -186,7 +182,7 @@ START = {
     )
 }  # fmt: skip
 
-TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", v1d="1/5", v2d="1/10", **GAINS)
+TOP = at(e1=0, e2="7/10", e3=0, u21="4/5", u22="13/10", level="2/5", **PAPER)
 FACING = at(e1=1, e2=0, e3=0, k1=1, k2=1, k3=1, v1d=1, v2d=0, x1=2, x2=0)
 strict_claim = Claims()
 
@@ -267,9 +263,9 @@ def saturated_rate(mutation: Mutation) -> Statement:
     Given: k2 > 0.
     """
     t = Tracking("x1 x2")
-    e, k2, x, p = t.e, t.k[1], vertcat(t.x1, t.x2), _undisturbed(t)
-    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * sin(e[2]) / k2
-    return t.states(analysis.position_rate(e, x, t.v_d, k2) == written)
+    e, x, p = t.e, vertcat(t.x1, t.x2), _undisturbed(t)
+    written = -(x[0] - p[0]) * e[0] - mutation * (x[1] - p[1]) * sin(e[2]) / t.k[1]
+    return t.states(t.falls(x) == written)
 
 
 @strict_claim("level.argument", (7,), by=Ring())
@@ -280,7 +276,7 @@ def argument(mutation: Mutation) -> Statement:
     """
     # The corrections have the signs of e1 and sin e3.
     t = Tracking()
-    target, p = auxiliary_velocity(t.e, t.v_d, t.k), _undisturbed(t)
+    target, p = t.target, _undisturbed(t)
     turn = p[1] + mutation * t.k[2] * sin(t.e[2])
     return t.states(target[0] == p[0] + t.k[0] * t.e[0], target[1] == turn)
 
@@ -293,13 +289,13 @@ def level_set(mutation: Mutation) -> Statement:
     Given: 0 < v1d <= v_u21, |v2d| < v_u22, k2 > 0.
     """
     t = Tracking("u21 u22 level")
-    e, k2, v_d, level, p = t.e, t.k[1], t.v_d, t.level, _undisturbed(t)
+    k2, v_d, level, p = t.k[1], t.v_d, t.level, _undisturbed(t)
     room = t.u22 - abs(v_d[1])
     low = k2 * level <= 2, room**2 >= 2 * mutation * (k2 * v_d[0]) ** 2 * level
     sizes = positive(k2, v_d[0]), t.u21 >= v_d[0], room > 0
-    given = sizes, low, level > analysis.position_lyapunov(e, k2)
+    given = sizes, low, level > t.V2
     kept = (t[f"u2{i + 1}"] >= abs(p[i]) for i in (0, 1))
-    return t.states(*kept, cos(e[2]) > -1, given=given)
+    return t.states(*kept, cos(t.e[2]) > -1, given=given)
 
 
 @strict_claim(
@@ -324,9 +320,8 @@ def level_invariant(mutation: Mutation) -> Statement:
     e, k, x, p = t.e, t.k, vertcat(t.x1, t.x2), _undisturbed(t)
     pulls = e[0], sin(e[2])
     given = positive(*vertsplit(k)), [(x[i] - p[i]) * k[2 * i] * pulls[i] >= 0 for i in (0, 1)]
-    behind = if_else(cos(e[2]) <= -1, analysis.position_lyapunov(e, k[1]) - 2 / k[1], 0)
-    rate = analysis.position_rate(e, x, t.v_d, k[1])
-    return t.states(mutation * rate <= 0, behind >= 0, given=given)
+    behind = if_else(cos(e[2]) <= -1, t.V2 - 2 / k[1], 0)
+    return t.states(mutation * t.falls(x) <= 0, behind >= 0, given=given)
 
 
 @strict_claim("level.start", (31,), by=Ball(box=START))
@@ -338,7 +333,7 @@ def paper_level(mutation: Mutation) -> Statement:
     Given: e within 1e-5 of (0.70453, -0.06031, -0.8708), k2 = 5.
     """
     t = Tracking()
-    return t.states(mutation(0.33, 0.3) > analysis.position_lyapunov(t.e, t.k[1]))
+    return t.states(mutation(0.33, 0.3) > t.V2)
 
 
 @strict_claim("level.everywhere", (31,), by=Refute(SIDEWAYS))
@@ -350,7 +345,7 @@ def saturated_growth(_: Mutation) -> Statement:
     Given: every e.
     """
     t = Tracking("u11 u12 u21 u22")
-    return t.states(analysis.position_rate(t.e, _limited(t), t.v_d, t.k[1]) <= 0)
+    return t.states(t.falls(_limited(t)) <= 0)
 
 
 @strict_claim("E7", (7,), form=PRINTED, by=Refute(FAST))

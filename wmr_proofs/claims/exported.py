@@ -39,10 +39,10 @@ from .common import PRESET, named_ports, ports_of, scalars
 PERIOD = 0.01
 
 
-def setup(kind: str, delay: int, guarded: bool = True, **more: float) -> Setup:
+def setup(kind: str, delay: int, **more: float) -> Setup:
     """A loop with this map onto the wheels, behind a delay of so many periods."""
     stated: dict[str, object] = {
-        "guard.enabled": guarded, "guard.map": kind, "clock.control": PERIOD,
+        "guard.enabled": True, "guard.map": kind, "clock.control": PERIOD,
         "actuator.delay": PERIOD * delay, **more,
     }  # fmt: skip
     return settle(load_scenario(PRESET, stated), "pid")
@@ -88,8 +88,8 @@ class Assembled(Named):
         found: list[tuple[SX, Bounds, InFlight | None]] = []
         for axis, y in enumerate((p["v1"], p["omega"])):
             numbers = {name: p[f"guard.{name}"][axis] for name in names}
-            u1, alpha = p["limits.v_u1"][axis] * (1 - kept), p["guard.alpha"]
-            b = Bounds(u1=u1, period=T, alpha=alpha, **numbers, **lasting)
+            u1 = p["limits.v_u1"][axis] * (1 - kept)
+            b = Bounds(u1=u1, period=T, alpha=p["guard.alpha"], **numbers, **lasting)
             found.append((y, b, sums(axis, b) if late.commands or late.lag else None))
         return tuple(found)
 
@@ -164,9 +164,9 @@ class Assembled(Named):
         return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
 
     def _parts(self, torque: SX) -> Iterator[Relations]:
-        bounds, half = [b for _, b, _ in self.axes], self.wheels[1]
+        bounds = [b for _, b, _ in self.axes]
         flags = [feasible(b) for b in bounds]
-        flags.append(bounds[0].braking + bounds[1].braking / half <= self.phi)
+        flags.append(bounds[0].braking + bounds[1].braking / self.wheels[1] <= self.phi)
         flags += self.slow_drives()
         yield from (flag >= self.told["feasible"] for flag in flags)
         yield from every(self.torque, torque)

@@ -88,10 +88,10 @@ def forecast(mutation: Mutation, way: int) -> Statement:
     Given: {TABLES}; v <= u + over, -v <= -u + under; low <= S <= high, the base's response.
     """
     a = BandAxis()
-    s, changed = a.symbols, a.forecast.changed(a.to, a.table)
+    s = a.symbols
     given = [a.stated, way * s.u + bound_of(a.forecast, way) >= way * s.v]
     given += [between(mutation(1, 0.9) * a.table.low[0], s.S, a.table.high[0])]
-    most = way * s.to + bound_of(changed, way)
+    most = way * s.to + bound_of(a.forecast.changed(a.to, a.table), way)
     return Statement(s, most >= way * (s.v + (s.to - s.u) * s.S), given=given)
 
 

@@ -217,8 +217,7 @@ def rest(mutation: Mutation) -> Statement:
     left = governor.SpeedBound(LOOKED_BACK, FirstOrder(*[SX(1)] * 6), (SX(1), SX(1)), T)
     spare, goals = mutation(1, 2.0**-3) * 2 * UNIT * age, Group()
     for k, piece in enumerate(pieces):
-        start, end = s[f"end{k - 1}" if k else "start"], s[f"end{k}"]
-        over, whole = -age >= end, -age <= start
+        over, whole = -age >= s[f"end{k}"], -age <= s[f"end{k - 1}" if k else "start"]
         off = within(s.rest - (piece.end * T + age), spare)
         goals += when(logic_not(logic_or(over, whole)), off)
         goals.append(when(over, spare >= piece.end * T + age))
@@ -368,8 +367,8 @@ class Limited(Named):
     """Symbols of v, omega and both wheels with their limits; ``on`` names those that are limited.
 
     ``body``: v and omega; ``wheels``; ``both``.  M is the largest limit of a wheel, in size;
-    ``asked`` is the command of both axes, ``sent`` what is computed of it, ``ends`` are lo and hi
-    of all channels.
+    ``sent`` is what is computed of the command of both axes, ``ends`` are lo and hi of all
+    channels, ``asked`` is that command with channels and ends.
     """
 
     def __init__(self, on: str) -> None:
@@ -381,7 +380,8 @@ class Limited(Named):
         limits = " ".join(f"hi{i} lo{i}" for i in numbers)
         self.symbols = s = {"l": arm} | symbols(f"r0 r1 M v omega {limits}")
         self.ends = [s[f"lo{i}"] for i in numbers], [s[f"hi{i}"] for i in numbers]
-        self.asked, self.sent = [s.r0, s.r1], [s.v, s.omega]
+        self.sent = [s.v, s.omega]
+        self.asked = [s.r0, s.r1], self.channels, *self.ends
 
     @property
     def stated(self) -> Relations:
@@ -433,9 +433,9 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
     """
     a = Limited(on)
     if on == "both":  # before v and omega are cut
-        sent = one_first(a.asked, a.channels, *a.ends, FIRST[scale])
+        sent = one_first(*a.asked, FIRST[scale])
     else:
-        sent = scaled(a.asked, a.channels, *a.ends, scale)
+        sent = scaled(*a.asked, scale)
     axes = a.kept(a.sent, mutation(0, -BEYOND), axes=True)
     goals = axes, a.kept(a.sent, mutation(1, 2.0**-6) * spare, axes=False)
     return Statement(a, goals, a.stated, computed=a.computed(sent))
@@ -451,10 +451,9 @@ def beside(mutation: Mutation) -> Statement:
     Given: {BESIDE}; both axes scaled by one factor; {ROUNDED}.
     """
     a = Limited("both")
-    made = stretched(a.asked, a.channels, *a.ends, "curvature")
     spare = mutation(1, 2.0**-6)
     goals = a.kept(a.sent, spare * BEYOND, axes=True), a.kept(a.sent, spare * RIM / 2, axes=False)
-    return Statement(a, goals, a.stated, computed=a.computed(made))
+    return Statement(a, goals, a.stated, computed=a.computed(stretched(*a.asked, "curvature")))
 
 
 @command_claim("filter.rounding.beside-cut", premises="filter.rounding.beside")
@@ -468,11 +467,10 @@ def beside_cut(mutation: Mutation) -> Statement:
     Given: {BESIDE}; v and omega before they are cut as in filter.rounding.beside.
     """
     a = Limited("both")
-    made = stretched(a.asked, a.channels, *a.ends, "curvature")
-    sent = vertsplit(scaled(a.asked, a.channels, *a.ends, "curvature"))
+    sent = vertsplit(scaled(*a.asked, "curvature"))
     known = a.kept(a.sent, BEYOND, axes=True), a.kept(a.sent, RIM / 2, axes=False)
     goals = a.kept(sent, 0, axes=True), a.kept(sent, mutation(RIM, RIM / 2), axes=False)
-    return Statement(a, goals, (a.stated, known), a.computed(made))
+    return Statement(a, goals, (a.stated, known), a.computed(stretched(*a.asked, "curvature")))
 
 
 @command_claim("filter.rounding.slew-limit")

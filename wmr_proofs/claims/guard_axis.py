@@ -226,6 +226,10 @@ class GuardAxis(Named):
         """|v| <= u1."""
         return self.u1 >= self.v, self.v >= -self.u1
 
+    def exceeded(self, share: float) -> SX:
+        """Where a push that exceeds its bound by a share of ``extra`` takes the speed."""
+        return self.u1 + share * self.extra * (self.period + self.late) / self.M_min
+
     @property
     def moving(self) -> Relations:
         """No sum is negative."""
@@ -234,8 +238,8 @@ class GuardAxis(Named):
 
     def during(self, longer: float = 1) -> Relations:
         """Hypotheses 0 <= t <= T, M_min <= M <= M_max, late 0 <= since <= J, t <= T + J - since."""
-        b, mass, since, t = self.bounds, self.mass, self.since, self.t
-        masses = between(b.M_min, mass, b.M_max)
+        b, since, t = self.bounds, self.since, self.t
+        masses = between(b.M_min, self.mass, b.M_max)
         if self.lateness < LATE:
             return between(0, t, b.period), masses
         return between(0, since, self.J), t >= 0, longer * (b.period + self.J) - since >= t, masses
@@ -262,9 +266,9 @@ class GuardAxis(Named):
 
     def then(self, way: int, more: Number = 0) -> SX:
         """Comparison bound of v+ t after the new command has taken over."""
-        start, push = self.start(way, more), fmax(self.push(way) + more, 0)
+        start = self.start(way, more)
         start = start if self.lateness else fmax(start, self.f_speed)
-        return start + self.t * push / self.mass
+        return start + self.t * fmax(self.push(way) + more, 0) / self.mass
 
     def kept(self, way: int, longer: float) -> Relations:
         """Goal: inside stays inside; a factor above 1 enlarges alpha T or the acting force."""

@@ -391,8 +391,7 @@ def force(mutation: Mutation, way: int) -> Statement:
         given += [a.arrives(way), a.brakes >= a.net + 2 * a.held_back * a.reach]
     else:
         given += [a.bounded, a.arrives(way), a.safe(way, a["lo"]), a.leaves(mutation * a.brakes)]
-    goal, text = a.safe(way, a.hat), a.text(a.asked, b)
-    return Statement(a, goal, given, cuts, computed=text)
+    return Statement(a, a.safe(way, a.hat), given, cuts, computed=a.text(a.asked, b))
 
 
 PARTS = " ".join(part.id for part in claim.listed)

@@ -163,8 +163,8 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
         alone = replace(kept(CLAIMED, a), given=(known, feasible(a.bounds) > 0))
         given += [valued(known, a, values), instance(alone, values)]
         goals += valued([*stays(a, mutation * a.chosen)], a, values)
-        back, hi = ceiling(-y, b, coming and coming.mirrored), ceiling(y, b, coming)
-        parts = {"back": back, "hi": hi, "brakes": b.braking}
+        hi = ceiling(y, b, coming)
+        parts = {"back": ceiling(-y, b, coming and coming.mirrored), "hi": hi, "brakes": b.braking}
         parts |= {f"sum {name}": total for name, total in sums.items()}
         cuts |= {f"{name} {axis + 1}": part for name, part in parts.items()}
     return Statement(table, goals, given, cuts)
@@ -247,7 +247,7 @@ def late(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Statemen
     Given: any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that is
     asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it.
     """
-    return exported(mutation, kind, Assembled(guard, setup(kind, 0, True, **stated)))
+    return exported(mutation, kind, Assembled(guard, setup(kind, 0, **stated)))
 
 
 LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
@@ -278,9 +278,7 @@ def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where there
     is one; any force that is asked for.
     """
-    return exported(
-        mutation, "linear-first", Assembled(guard, setup("linear-first", 0, True, **stated))
-    )
+    return exported(mutation, "linear-first", Assembled(guard, setup("linear-first", 0, **stated)))
 
 
 @claim(
@@ -305,7 +303,7 @@ def controller(
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets and
     state.
     """
-    loop = setup(kind, delay, True, **(stated or {}))
+    loop = setup(kind, delay, **(stated or {}))
     whole, alone = (Assembled(make, loop) for make in (asking_controller, guard))
     put = [whole.asked if name == "force" else whole.p[name] for name in alone.p]
     told = "feasible", "d_least"
@@ -319,5 +317,5 @@ def controller(
     free = symbols("e") if stated else Symbols()
     share = {name: exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
     below = (item for e in free.values() for item in (e > 0, e < 1))
-    given, cuts = (whole.signs, *below), {**whole.cuts, **share}
-    return Statement(whole | free, every(mutation * theirs, ours), given, cuts)
+    given = (whole.signs, *below)
+    return Statement(whole | free, every(mutation * theirs, ours), given, {**whole.cuts, **share})

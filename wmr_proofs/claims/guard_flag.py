@@ -144,7 +144,7 @@ def watched(mutation: Mutation) -> Statement:
 
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for.
     """
-    e = Assembled(asking_controller, setup("linear-first", 0, guarded=False))
+    e = Assembled(asking_controller, setup("linear-first", 0, **{"guard.enabled": False}))
     (r, half), asked = e.wheels, mutation(1, 0.9) * e.asked
     return e.consists(force_to_wheel(r, half, MAPS["linear-first"](asked, e.phi, half)))
 
@@ -163,7 +163,7 @@ def applied(mutation: Mutation) -> Statement:
     """
     steps, part, h = 4, 3, PERIOD / 4
     late = {"clock.plant": h, "actuator.delay": PERIOD + part * h, "actuator.lag": 0.02}
-    drives = setup("linear-first", 0, True, **late)
+    drives = setup("linear-first", 0, **late)
     e, lag = Assembled(guard, drives), LAG.build(drives.scenario)
     commands = [e.torque, e.p["tau_sent1"], e.p["tau_sent2"]]
     held = {port.signal.name: port.sym for port in ports_of(lag)}

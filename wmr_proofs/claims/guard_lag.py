@@ -100,8 +100,8 @@ def varying_more(mutation: Mutation) -> Statement:
     z, most, p = a.z_ahead, a.most, push([a.sent], a.bounds, 1)
     again = waiting(z, p, a.J, a.rise_J)
     after = moved(z, p, (a.falls, a.rises_by))
-    b, more = a.slow, mutation(1, 0.99)
-    last = more * (b + a.J) * most >= b * z + again + a.rise * (most - after)
+    b = a.slow
+    last = mutation(1, 0.99) * (b + a.J) * most >= b * z + again + a.rise * (most - after)
     goals = last, b * most >= b * z + a.rise_late * (most - z), again >= 0
     sizes = positive(a.J), between(0, z, most), most >= p, positive(most)
     return a.states(goals, given=(exponentials(a), sizes))
@@ -227,7 +227,7 @@ def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     p = fmax((a.hi if way > 0 else -a.lo) + a.net + D, 0)
     early = waiting(z + D, p, b.period + a.J, a.rise_late) - D * a.J
     late = waiting(after + D, p, b.period, a.rise) + again
-    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
+    limit = a.exceeded(mutation(1, 0.99))
     start = a.arrived + D * a.late / b.M_min
     goals = [limit >= if_else(p > 0, start + more / b.M_min, b.u1) for more in (early, late)]
     known = a.stated, exponentials(a), D >= 0, a.withstands(D)

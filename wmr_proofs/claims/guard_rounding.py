@@ -277,7 +277,6 @@ def together(mutation: Mutation, precision: Precision) -> Statement:
     for way in (1, -1):
         end = fmax(way * a.v, b.f_speed) + a.t * fmax(way * a.hat + a.net, 0) / a.mass
         goals.append(b.u1 >= end)
-        asked, safe = way * a.asked, way * a.most
-        given.append(fmax(asked, safe) + lost >= way * a.hat)
+        given.append(fmax(way * a.asked, way * a.most) + lost >= way * a.hat)
         given += [a.safe(way, a[name]) for name in ("asked", "most")]
     return Statement(a, goals, given)

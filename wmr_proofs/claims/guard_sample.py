@@ -149,10 +149,10 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
     Given: {seen}, {acts}; {spare}; {caps}{filled}.
     """
-    b, D = a.bounds, a.extra
-    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
+    D = a.extra
+    limit = a.exceeded(mutation(1, 0.99))
     begins = D >= 0, a.withstands(D), limit >= a.start(way)
-    given = a.stated, a.seen(way, D * a.late / b.M_min, a.during()), begins, a.ordered(way)
+    given = a.stated, a.seen(way, D * a.late / a.bounds.M_min, a.during()), begins, a.ordered(way)
     return Statement(a, limit >= a.then(way, D), given, a.cuts)
 
 
@@ -167,7 +167,7 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """
     # t at its end, as v is linear.
     b, D, left = a.bounds, a.extra, a.room
-    limit = b.u1 + mutation(1, 0.99) * D * (b.period + a.late) / b.M_min
+    limit = a.exceeded(mutation(1, 0.99))
     over, most = a.start(way, D), a.hi if way > 0 else -a.lo
     last = b.period + a.J - a.since
     end = over + last * fmax(most + a.net + D, 0) / a.mass

@@ -172,13 +172,13 @@ def late_tail(mutation: Mutation) -> Statement:
 
 def added(a: GuardAxis) -> Relations:
     """Bounds on sums of commands that keep to ``largest``."""
-    b, most = a.bounds, a.S / a.bounds.M_min
+    most = a.S / a.bounds.M_min
     if a.lateness < LATE:
         return (a.late * most >= a.ahead + a.back,)
     rest, again = (a.late - a.J) * most, a.again
     from_rest = rest >= a.rest_ahead, rest >= a.rest_back
     mean = (a.usual + a.both_act - 2 * a.J) * most >= a.ahead + a.back
-    last = at_least(a.J * most, again.ahead + again.back), positive(b.M_min)
+    last = at_least(a.J * most, again.ahead + again.back), positive(a.bounds.M_min)
     longer = a.rest_ahead >= a.ahead, a.rest_back >= a.back
     return from_rest, mean, last, longer
 
@@ -271,8 +271,8 @@ def late_rest(mutation: Mutation, rest: bool) -> Statement:
     """
     a = GuardAxis(DELAYED)
     b, t = a.bounds, symbols("V share window")
-    p, window, share = fmax(a.sent + a.net, 0), t.window, t.share
-    v = share * window * p / b.M_min
+    window, share = t.window, t.share
+    v = share * window * fmax(a.sent + a.net, 0) / b.M_min
     y = share * v / 2 - (1 - share) * t.V
     pair, periods = vertcat(a.sent, 0), window / b.period
     mean, whole = (in_flight([(pair, part * periods)], 0, b) for part in (0.5, 1.0))

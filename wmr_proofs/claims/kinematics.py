@@ -177,8 +177,8 @@ def target_rate(mutation: Mutation) -> Statement:
     t = column("e", 3) | column("v", 2) | column("vd", 2) | column("a", 2) | column("k", 3)
     e, v, v_d = stacked(t, "e", 3), stacked(t, "v", 2), stacked(t, "vd", 2)
     rate = error_rate(e, v, v_d)
-    s, c = sin(e[2]), cos(e[2])
-    first = t.a1 * c - mutation * v_d[0] * s * rate[2] + t.k1 * rate[0]
+    c = cos(e[2])
+    first = t.a1 * c - mutation * v_d[0] * sin(e[2]) * rate[2] + t.k1 * rate[0]
     second = t.a2 + t.k2 * (t.a1 * e[1] + v_d[0] * rate[1]) + t.k3 * c * rate[2]
     used = kinematics.auxiliary_rate(e, v, v_d, stacked(t, "a", 2), stacked(t, "k", 3))
     return Statement(t, every(used, vertcat(first, second)))

@@ -241,11 +241,10 @@ def decay(mutation: Mutation, axis: int) -> Statement:
     law = LawGraph("mb")
     k, t = axis + 1, law.symbols
     v = t[("v1", "omega")[axis]]
-    u1, u2, rho = t[f"limits.v_u1[{k}]"], t[f"limits.v_u2[{k}]"], t[f"gains.mb.rho[{k}]"]
+    rho = t[f"gains.mb.rho[{k}]"]
     free = symbols("c cdot")
-    mass, friction = law.own(law.context.mass), law.own(law.context.friction)
-    v_dot = acceleration(mass, law.force, friction)[axis]
-    value = barrier.lyapunov(v, free.c, u1, u2)
+    v_dot = acceleration(law.own(law.context.mass), law.force, law.own(law.context.friction))[axis]
+    value = barrier.lyapunov(v, free.c, t[f"limits.v_u1[{k}]"], t[f"limits.v_u2[{k}]"])
     rate = jtimes(value, vertcat(v, free.c), vertcat(v_dot, free.cdot))
     return Statement(t | free, rate == -mutation * rho * value, (), law.inner(axis))
 

@@ -61,6 +61,11 @@ class NetworkAxis(Named):
         """A gain of this axis."""
         return self.law[f"gains.nn.{name}[{self.axis + 1}]"]
 
+    @property
+    def fed(self) -> SX:
+        """What the law's feedback takes from the rate."""
+        return -self.gain("rho1") / self.free.mass * self.free.V
+
     def statement(self, *goals: Any) -> Statement:
         """Goals with the graph's inner quantities free."""
         return Statement(self, goals, (), self.inner)
@@ -250,8 +255,7 @@ def with_law(mutation: Mutation) -> Statement:
     f = n.free
     learnt = f.w / f.mass * dot(n.best + n.error, n.basis)
     lost = f.A / f.mass * f.friction + mutation * f.w * f.cdot
-    fed = -n.gain("rho1") / f.mass * f.V
-    return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + learnt - lost)
+    return n.statement(n.rate == n.fed + weights_part(n, n.weight_rate) + learnt - lost)
 
 
 @claim("eq70", (70,), by=OFF)
@@ -265,8 +269,7 @@ def with_target(mutation: Mutation) -> Statement:
     n = network_axis(0)
     f = n.free
     rest = f.w / f.mass * (dot(n.error, n.basis) + mutation * n.residual)
-    fed = -n.gain("rho1") / f.mass * f.V
-    return n.statement(n.rate == fed + weights_part(n, n.weight_rate) + rest)
+    return n.statement(n.rate == n.fed + weights_part(n, n.weight_rate) + rest)
 
 
 @claim("eq71", (71,), by=OFF)
@@ -278,9 +281,9 @@ def with_adaptation(mutation: Mutation) -> Statement:
     Given: {OFF_TARGET}.
     """
     n = network_axis(0)
-    f, mass = n.free, n.free.mass
+    mass = n.free.mass
     leak = n.gain("sigma") / mass * dot(n.error, n.weights)
-    written = -n.gain("rho1") / mass * f.V - mutation * leak + f.w / mass * n.residual
+    written = n.fed - mutation * leak + n.free.w / mass * n.residual
     return n.statement(n.rate == written)
 
 
@@ -305,8 +308,8 @@ def eq72(mutation: Mutation, combined: bool) -> Statement:
     Given: {OFF_TARGET}.
     """
     n = network_axis(0)
-    f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
-    base = -n.gain("rho1") / mass * f.V + 0.5 / mass * (f.w**2 + n.residual**2)
+    mass, sigma = n.free.mass, n.gain("sigma")
+    base = n.fed + 0.5 / mass * (n.free.w**2 + n.residual**2)
     leak = -sigma / mass * dot(n.error, n.error + n.best)
     if combined:
         leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
@@ -323,9 +326,9 @@ def printed_step(mutation: Mutation) -> Statement:
     Given: {OFF_TARGET}; V1i >= (v - v_c1)^2/2 by (81).
     """
     n = network_axis(0)
-    f, mass, sigma = n.free, n.free.mass, n.gain("sigma")
-    bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * f.V + 0.5 / mass * n.residual**2
-    leak = 0.5 * sigma / mass * (dot(n.best, n.best) - dot(n.error, n.error))
+    mass = n.free.mass
+    bound = -(n.gain("rho1") - mutation(1, -1e6)) / mass * n.free.V + 0.5 / mass * n.residual**2
+    leak = 0.5 * n.gain("sigma") / mass * (dot(n.best, n.best) - dot(n.error, n.error))
     return n.statement(bound + leak >= n.rate)
 
 

@@ -399,11 +399,11 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
     """
     s, t = Step(smooth), symbols("mid after A")
     mid, after, A = t.values()
-    E, target = s.inputs.E, s.inputs.target
+    E = s.inputs.E
     end, carried = s.free.end, s.free.carried
     back = s.free.x_target - end
     # optimality of X_(1-E): (argument - v+)/(1 - E) is a slope of f at v+; A = v+ - c+ + slope
-    optimal = (1 - E) * (A - end + target) == s.argument - end
+    optimal = (1 - E) * (A - end + s.inputs.target) == s.argument - end
     above_start = mid >= after + A * (carried - end) + 0.5 * (carried - end) ** 2
     given = optimal, above_start, after + A * back + 0.5 * back**2 <= 0, after >= 0
     goals = mutation(E**2, (0.9 * E) ** 2) * mid >= after, s.end == end
@@ -457,12 +457,12 @@ def rises(mutation: Mutation) -> Statement:
     <= E^2 V1i(v*; c+).
     """
     t = symbols("before carried mid after S S_next way E S_mid S_carried")
-    S, E, roots = t.S, t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
+    E, roots = t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
     values = t.before, t.after, t.mid, t.carried
     squares = [root**2 == 2 * value for root, value in zip(roots, values, strict=True)]
     signs = nonnegative(*roots), E > 0, E < 1, t.way >= 0
     moved = t.before >= t.carried, t.S_carried + t.way >= t.S_mid
     given = squares, signs, moved, E**2 * t.mid >= t.after
-    most = E * (S + mutation(1, 0.9) * t.way)
+    most = E * (t.S + mutation(1, 0.9) * t.way)
     level = Relation(if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
     return Statement(t, (most >= t.S_next, level), given)

@@ -211,8 +211,7 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
     """
     s, t = Sampled(axis), symbols("d d_old P")
     slow = within(t.d - t.d_old, mutation(1, 1.1) * -s.free.fall * t.P)
-    new, old = s.law.system.update[axis] + t.d, s.f_old + t.d_old
-    goal = falls(abs(new), abs(old), t.P, 1 + s.free.fall)
+    goal = falls(abs(s.law.system.update[axis] + t.d), abs(s.f_old + t.d_old), t.P, 1 + s.free.fall)
     given = s.observed, s.gained(t.d_old), slow
     return s.states(goal, given=given, cuts=s.observer_cuts, more=t)
 
@@ -261,11 +260,10 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     s, t = Sampled(axis), symbols("d d_old most change")
     d, d_old, most, change = t.values()
     share, f = -s.free.fall, s.law.system.update[axis]
-    old, new = s.f_old + d_old, f + d
     tight = mutation(1, 0.9)
-    slow = logic_and(abs(d - d_old) <= change, share * abs(old) <= change)
+    slow = logic_and(abs(d - d_old) <= change, share * abs(s.f_old + d_old) <= change)
     small = when(logic_and(abs(d_old) <= most, abs(s.f_old) <= most), tight * most >= abs(f))
-    goals = small, when(slow, tight * change >= share * abs(new))
+    goals = small, when(slow, tight * change >= share * abs(f + d))
     given = s.observed, s.gained(d_old)
     return s.states(goals, given=given, cuts=s.observer_cuts, more=t)
 

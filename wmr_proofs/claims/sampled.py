@@ -186,8 +186,8 @@ class NewtonStep:
 
     def states(self, goals: Relations, given: Relations) -> Statement:
         """The statement on the law's graph: T > 0, M > 0, v_c0' = 0, 0 < exp(-rho T) < 1."""
-        fall, period = self.free.fall, self.law["clock.control"]
-        held = positive(period, self.mass[self.axis]), fall > -1, -fall > 0
+        fall = self.free.fall
+        held = positive(self.law["clock.control"], self.mass[self.axis]), fall > -1, -fall > 0
         known = held, self.free.cdot == 0, given
         return Statement(self.law | self.free, goals, known, self.cuts)
 

@@ -28,8 +28,8 @@ from wmr_proofs.statement import (
 class Tracking(Named):
     """e, z = v - v_c0, a free velocity v, the desired one and gains; ``more``: further symbols.
 
-    Of v = v_c0 + z with Eq. (7), which is ``followed``: ``rate`` is e' of Eqs. (33)-(35), ``fall``
-    is V2'.
+    ``target`` is v_c0 of Eq. (7). Of v = v_c0 + z, which is ``followed``: ``rate`` is e' of Eqs.
+    (33)-(35), ``fall`` is V2'.
     """
 
     def __init__(self, more: str = "") -> None:
@@ -38,9 +38,19 @@ class Tracking(Named):
         self.e, self.k = (stacked(self, name, 3) for name in "ek")
         self.z, self.v = (stacked(self, name, 2) for name in "zv")
         self.v_d = vertcat(self.v1d, self.v2d)
-        self.followed = auxiliary_velocity(self.e, self.v_d, self.k) + self.z
+        self.target = auxiliary_velocity(self.e, self.v_d, self.k)
+        self.followed = self.target + self.z
         self.rate = error_rate(self.e, self.followed, self.v_d)
-        self.fall = analysis.position_rate(self.e, self.followed, self.v_d, self.k[1])
+        self.fall = self.falls(self.followed)
+
+    @property
+    def V2(self) -> SX:
+        """The Lyapunov function of the position errors."""
+        return analysis.position_lyapunov(self.e, self.k[1])
+
+    def falls(self, v: SX) -> SX:
+        """V2' with a velocity."""
+        return analysis.position_rate(self.e, v, self.v_d, self.k[1])
 
 
 ABOVE_0 = dict.fromkeys(("k1", "k2", "k3"), POSITIVE)
@@ -55,7 +65,7 @@ SIGNED = Case(
     ABOVE_0 | {"e3": FREE},
 )
 
-PAPER: dict[str, str | int] = {"v1d": "1/5", "v2d": "1/10", "k1": 10, "k2": 5, "k3": 4}
+PAPER = at(v1d="1/5", v2d="1/10", k1=10, k2=5, k3=4)
 QUARTER = at(e3="3/2", share="13/20", x="37/50")
 SLIGHT = at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", **PAPER, eps0="1/2", root="1/2")
 tracking_claim = Claims(by=Ring(GAINS), form=PRINTED)
@@ -70,10 +80,10 @@ def derivative(mutation: Mutation) -> Statement:
     Given: {ANY_ERROR}.
     """
     t = Tracking()
-    e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
-    rate = error_rate(e, v, v_d)
-    chain = rate[0] * e[0] + rate[1] * e[1] + mutation * rate[2] * sin(e[2]) / k2
-    return t.states(analysis.position_rate(e, v, v_d, k2) == chain)
+    e, v = t.e, t.v
+    rate = error_rate(e, v, t.v_d)
+    chain = rate[0] * e[0] + rate[1] * e[1] + mutation * rate[2] * sin(e[2]) / t.k[1]
+    return t.states(t.falls(v) == chain)
 
 
 @tracking_claim("eq36", (33, 34, 35, 36))
@@ -88,7 +98,7 @@ def expanded(mutation: Mutation) -> Statement:
     e, v, v_d, k2 = t.e, t.v, t.v_d, t.k[1]
     s, c = sin(e[2]), cos(e[2])
     written = (-v[0] + v_d[0] * c) * e[0] + v_d[0] * s * e[1] + mutation * (v_d[1] - v[1]) * s / k2
-    return t.states(analysis.position_rate(e, v, v_d, k2) == written)
+    return t.states(t.falls(v) == written)
 
 
 @tracking_claim("eq37", (7, 13, 37))
@@ -216,7 +226,7 @@ def start(mutation: Mutation) -> Statement:
     sides = abs(e[1]) > l * abs(e[0]), abs(e[1]) > l * abs(e[2])
     if mutation < 0:
         sides = l * abs(e[0]) > abs(e[1]), sides[1]
-    goal = analysis.start_bound(l, k2, e[1]) > analysis.position_lyapunov(e, k2)
+    goal = analysis.start_bound(l, k2, e[1]) > t.V2
     return Statement(t, goal, (l > 5, k2 > 0, sides, e[2] ** 2 >= 2 * (1 - cos(e[2]))))
 
 
@@ -272,7 +282,7 @@ def side_bound(mutation: Mutation, side: int) -> Statement:
     Given: V2 < 0.594 e2(t0)^2.
     """
     t = Tracking("E")
-    given = positive(t.k[1], t.E), 1000 * analysis.position_lyapunov(t.e, t.k[1]) < 594 * t.E**2
+    given = positive(t.k[1], t.E), 1000 * t.V2 < 594 * t.E**2
     return Statement(t, 121 * t.E**2 * mutation(1.21, 1.0) > 121 * t.e[side - 1] ** 2, given)
 
 
@@ -342,9 +352,9 @@ def side_rate(mutation: Mutation) -> Statement:
     Given: |sin t| <= |t|.
     """
     t = Tracking()
-    e, v2 = t.e, t.followed[1]
+    e = t.e
     given = t.v_d[0] > 0, abs(e[2]) >= abs(sin(e[2]))
-    bound = abs(e[0]) * abs(v2) + mutation * t.v_d[0] * abs(e[2])
+    bound = abs(e[0]) * abs(t.followed[1]) + mutation * t.v_d[0] * abs(e[2])
     return t.states(bound >= abs(t.rate[1]), given=given)
 
 
@@ -370,7 +380,7 @@ BARELY_PAST = tuple(
 )
 """Angles just beyond 4 x: V2 falls there by 14.6 eps1, less than the altered claim says."""
 NUMBERS = "l k2 k3 v1dmin v1dmax E"
-LATE: dict[str, str | int] = {"e1": 0, "e2": 0, "z1": 0, "z2": 0, "k1": 1, "k2": 1, "k3": 1}
+LATE = at(e1=0, e2=0, z1=0, z2=0, k1=1, k2=1, k3=1)
 
 
 def paper_gains(t: Symbols) -> Relations:
@@ -472,11 +482,11 @@ def angle_end(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
-    T, least = analysis.window(l, k2, low), 2 * l * (root + eps0 / (2 * k3))
+    least = 2 * l * (root + eps0 / (2 * k3))
     sizes = root >= 0, side**2 == 1, eps0 >= abs(z2)
     large = l * abs(e3) <= E, least * mutation(1, 0.25) < E
     given = positive(l, k2, k3, low, E, eps0), sizes, large
-    moved = side * e3 - 3 * T * k2 * low * E / 10
+    moved = side * e3 - 3 * analysis.window(l, k2, low) * k2 * low * E / 10
     end = analysis.angle_after(l, side * e3, E)
     passed = -4 * (root + abs(z2) / (2 * k3)) > end
     return Statement(t, (moved == end, l * end <= -2 * E, passed), given)
