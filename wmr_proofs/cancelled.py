@@ -201,13 +201,13 @@ def _positive_in(signs: Signs, case: Case) -> bool:
     context = z3.Context()
     free = {name: z3.Real(name, context) for name in case.numbers}
     own = {name: z3.Real(name + DECLARED, context) for name in case.declared}
-    values = {**own, **case.values(free)}
+    values = own | case.values(free)
     if not set(signs) <= set(values):
         return False
     total = sum(sign * values[name] for name, sign in signs.items())
     if not z3.is_expr(total):
         return bool(total > 0)
-    total, domains = z3.simplify(total), {**case.declared, **case.numbers}
+    total, domains = z3.simplify(total), case.declared | case.numbers
     read = [(symbol, str(symbol).removesuffix(DECLARED)) for symbol in z3util.get_vars(total)]
     key = f"{total.sexpr()} {[(name, domains[name]) for _, name in read]}"
     if key not in _SIGNS:  # many regions have the same chart of these inputs

@@ -54,7 +54,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
     functions = functions_of(claim, tuple(known.altered) if known else ())
     then = same.altered if same else {}
     verdict, reason = _guarded(finding, mutated, functions)
-    asked = {**now, **(spec.versions(Z3()) if find_spec("z3") else {})}
+    asked = now | (spec.versions(Z3()) if find_spec("z3") else {})
     cancelled = same.cancelled if same else None
     if cancelled and not (known and known.is_about(entered, asked)):
         cancelled = None
@@ -76,7 +76,7 @@ def check(claim: Claim, known: Entry | None = None) -> Entry:
         altered={name: then.get(name, "") for name in functions},
         confirmed_by=same.confirmed_by if same else (),
         cancelled=cancelled,
-        evidence={**told, **reason},
+        evidence=told | reason,
     )
     if find_spec("z3") is None or verdict not in (PROVED, LEMMA, REFUTED):
         return made

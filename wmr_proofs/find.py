@@ -53,7 +53,7 @@ from .claims import all_claims
 from .methods.obligations import Obligation, uses_z3
 from .runner import selected
 
-Facts: TypeAlias = Mapping[str, Fact]
+Facts: TypeAlias = dict[str, Fact]
 Node: TypeAlias = list[Any]
 """Of a tree, as `check` has it."""
 Used: TypeAlias = tuple[Any, ...]
@@ -129,7 +129,7 @@ class Search:
 
     def _node(self, case: Case, facts: Facts, depth: int) -> Node:
         found = self._sum(facts, 1)
-        for used, degree in self.good if found is None else ():
+        for used, degree in self.good:
             if found is None and used <= set(facts):
                 found = self._sum({name: facts[name] for name in used}, degree)
         if found is not None:
@@ -149,8 +149,8 @@ class Search:
         near = {name: fact for name, fact in facts.items()
                 if len(names(fact.poly)) == 1 and names(fact.poly) <= unknowns}  # fmt: skip
         for degree in degrees:
-            signed = {**near, **few}
-            for chosen in (few, signed, {**signed, **_squares(few)})[: 2 + (degree < 4)]:
+            signed = near | few
+            for chosen in (few, signed, signed | _squares(few))[: 2 + (degree < 4)]:
                 found = self._sum(chosen, degree)
                 if found is not None:
                     used = {name for item in found[1] for name in item[1]}
@@ -160,7 +160,7 @@ class Search:
                     return found
         return None
 
-    def _core(self, facts: Facts) -> dict[str, Fact]:
+    def _core(self, facts: Facts) -> Facts:
         """Few facts that contradict each other."""
         kept, size = list(facts), max(1, len(facts) // 2)
         while size:
@@ -208,17 +208,15 @@ class Search:
         def holds(formula: Formula) -> bool:
             return z3.is_true(model.eval(_formula(_plain(case, formula)), model_completion=True))
 
-        def is_violated(number: int, choice: Choice) -> bool:
-            value = choice.yes if holds(choice.condition) else choice.no
-            return not holds(Fact(add(var(f"?{number}"), value, -1), "="))
-
         choices = [(number, atom) for number, atom in enumerate(atoms)
                    if isinstance(atom, Choice) and number not in case.chosen]  # fmt: skip
         broken = [name for name, formula in case.facts.items() if isinstance(formula, Join)
                   and not any(other.startswith(f"{name}:") for other in case.facts)
                   and (model is None or not holds(formula))]  # fmt: skip
         if model is not None:
-            choices = [pair for pair in choices if is_violated(*pair)]
+            taken = ((c.yes if holds(c.condition) else c.no) for _, c in choices)
+            choices = [pair for pair, value in zip(choices, taken, strict=True)
+                       if not holds(Fact(add(var(f"?{pair[0]}"), value, -1), "="))]  # fmt: skip
         ready = [number for number, choice in choices if not _waits(case, choice.condition)]
         if model is None:
             ready = [number for number in ready if f"?{number}" in read] or ready
@@ -292,7 +290,7 @@ class Search:
         if len(products) + len(multiples) > EVERY:
             return None
         products = _able_to_cancel(products, multiples)
-        polys = {**{used: p for used, (p, _) in products.items()}, **multiples}
+        polys = {used: p for used, (p, _) in products.items()} | multiples
         for part in _linked(polys):
             above = {used: products[used][1] for used in part if used in products}
             if any(above.values()) and len(part) <= MOST:
@@ -320,13 +318,14 @@ class Search:
         model = solver.model()
         value = {known: model.eval(share, True).as_fraction() for known, share in shares.items()}
         equations = dict[Any, Polynomial]()
-        for known in (known for known in polys if known not in above):
-            equations.setdefault(known[0], {})[known[1]] = value[known]
+        for known in polys:
+            if known not in above:
+                equations.setdefault(known[0], {})[known[1]] = value[known]
         told = [[name, _told(p)] for name, p in equations.items() if any(p.values())]
         return ["sum", [_item(value[used], used) for used in above if value[used]], told]
 
 
-def _facts(case: Case) -> dict[str, Fact]:
+def _facts(case: Case) -> Facts:
     return {name: case.fact(name) for name, formula in case.facts.items()
             if isinstance(formula, Fact)}  # fmt: skip
 
@@ -367,24 +366,17 @@ def _formula(formula: Formula) -> Any:
     return {"=": value == 0, ">": value > 0, ">=": value >= 0}[formula.kind]
 
 
-def _squares(facts: Facts) -> dict[str, Fact]:
+def _squares(facts: Facts) -> Facts:
     """Squares that are perhaps completed in a fact; their roots are their names."""
-    roots = []
-    for p, _ in facts.values():
-        for name in names(p):
-            if max(dict(m).get(name, 0) for m in p) == 2:
-                roots.append(_derivative(p, name))
+    roots = [_derivative(p, name) for p, _ in facts.values() for name in names(p)
+             if max(dict(m).get(name, 0) for m in p) == 2]  # fmt: skip
     told = (f"{ROOT}{json.dumps(_told(root))}" for root in roots)
     return {name: Fact(mul(root, root), ">=") for name, root in zip(told, roots, strict=True)}
 
 
 def _derivative(p: Polynomial, name: str) -> Polynomial:
-    total = {}
-    for m, c in p.items():
-        rest = _rest(m, ((name, 1),))
-        if rest is not None:
-            total[rest] = c * dict(m)[name]
-    return total
+    return {rest: c * dict(m)[name] for m, c in p.items()
+            if (rest := _rest(m, ((name, 1),))) is not None}  # fmt: skip
 
 
 def _factors(p: Polynomial) -> list[Polynomial]:
@@ -432,15 +424,14 @@ def _multiples(
 ) -> dict[Used, Polynomial]:
     """Multiples of equations that have a monomial in common with products."""
     equations = {name: fact.poly for name, fact in facts.items() if fact.kind == "="}
-    found = {}
     known = {m for p, _ in products.values() for m in p} if equations else set()
-    for name, p in equations.items():
-        for whole in known:
-            for part in p:
-                rest = _rest(whole, part)
-                if rest is not None and sum(power for _, power in rest) <= degree:
-                    found[name, rest] = mul(p, {rest: 1})
-    return found
+    return {
+        (name, rest): mul(p, {rest: 1})
+        for name, p in equations.items()
+        for whole in known
+        for part in p
+        if (rest := _rest(whole, part)) is not None and sum(power for _, power in rest) <= degree
+    }
 
 
 def _rest(whole: Monomial, part: Monomial) -> Monomial | None:

@@ -149,8 +149,7 @@ def _compact(graph: ProvedGraph) -> ProvedGraph:
             stack.extend((arg, False) for arg in reversed(node.args))
             continue
         place[k] = len(nodes)
-        args = tuple(place[arg] for arg in node.args)
-        nodes.append(ProvedNode(node.op, args, node.value, node.name))
+        nodes.append(node._replace(args=tuple(place[arg] for arg in node.args)))
     return ProvedGraph(tuple(nodes), tuple(place[k] for k in graph.outputs))
 
 

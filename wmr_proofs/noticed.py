@@ -53,7 +53,7 @@ def after_alteration(claim: Claim, name: str) -> str:
     """
     assert claim.method is not None
     statements = [built(claim, {name: change}) for change in CHANGES.values()]
-    left, some = [item for item in statements if item], any(statements)
+    left = [item for item in statements if item]
     for seconds in (2, 30):
         budget, asked, left = short_budget(claim.method, seconds), left, []
         for statement in asked:
@@ -63,7 +63,7 @@ def after_alteration(claim: Claim, name: str) -> str:
             left += [statement] * (verdict == OPEN)
     if left:
         return OPEN if proves_quickly(claim.id) else ""
-    return PROVED if some else ""
+    return PROVED if any(statements) else ""
 
 
 @cache

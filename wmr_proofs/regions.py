@@ -11,14 +11,16 @@ d = u1 - |v_c1|, which makes every root rational: v_c0 = u1 - d + 1/d (less 1/b 
 barrier).
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
 
 POSITIVE, NONNEGATIVE, NONZERO, FREE = "> 0", ">= 0", "!= 0", "any"
-Values: TypeAlias = Mapping[str, Any]
+Domains: TypeAlias = dict[str, str]
+"""What each number may be, by name."""
+Values: TypeAlias = dict[str, Any]
 """Numbers of a chart, or the inputs that it fixes, by name."""
 _SAMPLES = tuple(map(Fraction, ("1/2", "3/5", "7/4", "2/7", "5/3", "11/13")))
 
@@ -28,14 +30,14 @@ class Case:
     """Numbers of the chart with their domains, and the inputs as functions of them."""
 
     label: str
-    numbers: Mapping[str, str] = field(default_factory=dict)
+    numbers: Domains = field(default_factory=dict)
     values: Callable[[Values], Values] = lambda _: {}
-    declared: Mapping[str, str] = field(default_factory=dict)
+    declared: Domains = field(default_factory=dict)
 
     def sample(self, names: tuple[str, ...], shift: int) -> dict[str, Fraction]:
         """A rational point of the case, with a value for each input in ``names``."""
         chart = {name: _sample(k + shift) for k, name in enumerate(self.numbers)}
-        fixed = dict(self.values(chart))
+        fixed = self.values(chart)
         point = {name: Fraction(fixed[name]) for name in names if name in fixed}
         for k, name in enumerate(n for n in names if n not in fixed):
             signed = self.declared.get(name, FREE) in (FREE, NONZERO)
@@ -183,10 +185,10 @@ def joined(one: Case, two: Case) -> Case:
     """Both cases together; their inputs and numbers must have different names."""
 
     def values(n: Values) -> Values:
-        return {**one.values(n), **two.values(n)}
+        return one.values(n) | two.values(n)
 
-    label, declared = f"{one.label}; {two.label}", {**one.declared, **two.declared}
-    return Case(label, {**one.numbers, **two.numbers}, values, declared)
+    declared = one.declared | two.declared
+    return Case(f"{one.label}; {two.label}", one.numbers | two.numbers, values, declared)
 
 
 def paired_cases() -> Cases:
@@ -199,15 +201,13 @@ def paired_cases() -> Cases:
     return tuple(map(joined, open_cases("1"), open_cases("2")[::-1]))
 
 
-def renamed(
-    case: Case, names: Mapping[str, str], declared: Mapping[str, str] | None = None
-) -> Case:
+def renamed(case: Case, names: dict[str, str], declared: Domains | None = None) -> Case:
     """The case with its inputs under other names."""
 
     def values(n: Values) -> Values:
         return {names.get(key, key): value for key, value in case.values(n).items()}
 
-    return Case(case.label, case.numbers, values, {**case.declared, **(declared or {})})
+    return Case(case.label, case.numbers, values, case.declared | (declared or {}))
 
 
 def law_cases(cases: Iterable[Case], axis: int) -> Cases:

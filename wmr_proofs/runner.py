@@ -32,7 +32,6 @@ AT_ONCE = 2.0
 """Seconds of cost that are over before another process has begun."""
 LEAST_COST = 0.1
 """Seconds that an entry is taken to cost at least; what is new is taken to cost five of these."""
-GLOB = frozenset("*?[")
 Progress = Callable[[float, Entry], None]
 
 
@@ -105,7 +104,7 @@ def stale_entries() -> list[str]:
 
 
 def _matches(key: str, asked: str) -> bool:
-    if GLOB & set(asked):
+    if set("*?[") & set(asked):
         return fnmatchcase(key, asked)
     return key == asked or key.startswith(asked + ".")
 

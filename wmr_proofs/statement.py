@@ -146,7 +146,7 @@ def rounded(graph: ProvedGraph, unit: float) -> RoundedGraph:
         return len(nodes) - 1
 
     for node in graph.nodes:
-        exact = put(ProvedNode(node.op, tuple(place[k] for k in node.args), node.value, node.name))
+        exact = put(node._replace(args=tuple(place[k] for k in node.args)))
         factors = (graph.nodes[k] for k in node.args if node.op == "mul")
         scales = any(f.op == "const" and abs(frexp(f.value)[0]) == 0.5 for f in factors)
         if node.op in EXACT or scales:  # a product with a power of two is exact
@@ -183,7 +183,7 @@ def linked(graph: ProvedGraph, parts: RoundedGraph, names: Sequence[str]) -> Pro
         if node.op == "input" and node.name in results:
             place.append(results[node.name])
             continue
-        nodes.append(ProvedNode(node.op, tuple(place[k] for k in node.args), node.value, node.name))
+        nodes.append(node._replace(args=tuple(place[k] for k in node.args)))
         place.append(len(nodes) - 1)
     return ProvedGraph(tuple(nodes), (*(place[k] for k in graph.outputs), *parts.bounds))
 
@@ -266,7 +266,7 @@ def _united(parts: Mapping[str, Statement]) -> ProvedGraph:
         start, graph = len(nodes), part.graph
         for node in graph.nodes:
             name = own_name(node.name, key) if node.name else ""
-            nodes.append(ProvedNode(node.op, tuple(start + k for k in node.args), node.value, name))
+            nodes.append(node._replace(args=tuple(start + k for k in node.args), name=name))
         places = [start + k for k in graph.outputs]
         first = len(part.goal_kinds)
         second = first + len(listed(part.given))

@@ -120,7 +120,7 @@ def functions_for_traced(package: str, but: str) -> Iterator[None]:
     Their other ``math`` functions use a traced number as a float, and so do all functions of the
     module ``but``, which only checks results.
     """
-    maths = SimpleNamespace(**{**vars(math), **{name: _kept(name) for name in ("sin", "expm1")}})
+    maths = SimpleNamespace(**(vars(math) | {name: _kept(name) for name in ("sin", "expm1")}))
     given = {"math": maths, "min": _least, "float": lambda x: x if type(x) is Traced else float(x)}
     named = (name for name in sys.modules if name.startswith(f"{package}.") and name != but)
     spaces = [vars(sys.modules[name]) for name in named]

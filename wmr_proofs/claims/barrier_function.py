@@ -18,7 +18,6 @@ PAIRS = paired_cases()
 SMOOTH = tuple(c for c in target_cases(edges=False) if "middle" not in c.label)
 FAR = tuple(c for c in target_cases(edges=False) if "far" in c.label)
 NEAR = tuple(c for c in all_cases() if c.label.startswith(("v_c0 near", "v_c0 zero")))
-IN_R2 = (at(c=3, u1=1, u2="4/5"),)
 claim = Claims(by=Ring(open_cases()), form=PRINTED, given="{ALL_LIMITS}")
 
 
@@ -150,7 +149,7 @@ def zero_at_target(mutation: Mutation) -> Statement:
     return a.states(barrier.lyapunov(mutation * a.x, c, u1, u2) == 0)
 
 
-@claim("eq79.printed", (79,), by=Refute(IN_R2))
+@claim("eq79.printed", (79,), by=Refute((at(c=3, u1=1, u2="4/5"),)))
 def flat_at_target(mutation: Mutation) -> Statement:
     """dV1i/dv = 0 at v = v_c1.
 

@@ -89,9 +89,8 @@ def driven(mutation: Mutation) -> Statement:
     given = admits(a.bounds), between(a.K_min, a.K, a.K_max), a.dbar >= mutation(1, 0.9) * a.d
     u, b, reached = a.u, a.bounds, a.K * a.u
     ahead, back = drive(u, b), drive_back(u, b)
-    least = ahead >= reached + a.d, back >= a.d - reached
     most = highest(u, b) >= ahead, highest(-u, b) >= back
-    return Statement(a, (least, most), given)
+    return Statement(a, (ahead >= reached + a.d, back >= a.d - reached, most), given)
 
 
 def highest(u: SX, b: FirstOrder) -> SX:
@@ -160,10 +159,9 @@ def estimate(mutation: Mutation) -> Statement:
     """
     t = symbols("v w mean target least share most")
     v, w, mean, target, least, share, most = t.values()
-    bounds = w >= v, target >= mean, least >= 0
     shares = between(mutation(1, 0.9) * least, share, most), most <= 1
     goal = governor.relaxed(w, target, most, least) >= v + share * (mean - v)
-    return Statement(t, goal, (bounds, shares))
+    return Statement(t, goal, (w >= v, target >= mean, least >= 0, shares))
 
 
 @claim("filter.curvature")
@@ -212,7 +210,7 @@ class AssembledStep(Named):
 
     def __init__(self, side: int, axis: int) -> None:
         """Read the graph of the step."""
-        self.graph = Governor(load_scenario("paper-simulation", {**STATED, **BY_SIDE}))
+        self.graph = Governor(load_scenario("paper-simulation", STATED | BY_SIDE))
         self.side, self.axis, self.way = side, axis, WAYS[side]
         self.free = symbols("v u E mean share kappa gone")
         self.symbols = self.free | elements_of(*ports_of(self.graph.system))
@@ -261,7 +259,7 @@ def limits(mutation: Mutation) -> Statement:
     or losses, H = T.
     """
     cuts = Cuts()
-    graph = Governor(load_scenario("paper-simulation", {**STATED, **BY_SIDE}))
+    graph = Governor(load_scenario("paper-simulation", STATED | BY_SIDE))
     goals, given = Group(), Group()
     for axis, channel in enumerate(graph.channels):
         (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]

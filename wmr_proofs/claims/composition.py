@@ -36,7 +36,6 @@ from .guard_axis import DELAYED, GuardAxis
 from .guard_sent import only
 
 DECLARED = dict.fromkeys(("ref_radius", "ref_rate", "ref_speed"), POSITIVE)
-POSITIVE_RATES = Ring((Case("rates > 0", declared=DECLARED),))
 
 MOTIONS = ({"kind": "circle", "more": "{DIRECTION}"}, {"kind": "line", "more": ""})
 claim = Claims()
@@ -68,7 +67,7 @@ def eq18_rate(mutation: Mutation) -> Statement:
     return Statement(t, target_rate(c, t.cdot, u1, u2) == mutation * gradient(a.x, c) * t.cdot)
 
 
-@claim("reference.{kind}", by=POSITIVE_RATES, over=MOTIONS)
+@claim("reference.{kind}", by=Ring((Case("rates > 0", declared=DECLARED),)), over=MOTIONS)
 def motion(mutation: Mutation, kind: str) -> Statement:
     """{kind}: x_d'^2 + y_d'^2 = v1d^2, x_d' y_d'' - y_d' x_d'' = v1d^2 v2d, theta_d' = v2d, and the
     published rates are the derivatives of v1d and v2d.

@@ -164,7 +164,7 @@ def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
             told["actuator.tau_max"] = n["size"] - n["motor.step"] / 2
         wheels = {"wheels.radius[1]": radii[0] - 1, "wheels.radius[2]": radii[1] - 1}
         kept = {name: n[name] for name in numbers if "." in name}
-        return {**kept, **told, **wheels, "wheels.track": track - 1}
+        return kept | told | wheels | {"wheels.track": track - 1}
 
     return Case(f"{' '.join(orders)}; {', '.join(places)}", numbers, values)
 
@@ -232,8 +232,7 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     most = g.bound("nbar")[axis] - counted
     off = encoder.velocity_of(turn, g.parameters)[axis] - (t.v if axis == 0 else t.omega)
     sizes = g.above_zero("robot.r", "robot.l", "encoder.counts", "clock.control")
-    inside = within(vertcat(*t.values()), limits), positive(limits[0], limits[1])
-    given = sizes, _shares(g), inside
+    given = sizes, _shares(g), within(vertcat(*t.values()), limits), positive(limits[0], limits[1])
     return g.states(within(off, most * mutation(1, 0.9)), given=given, more=t)
 
 
@@ -397,9 +396,8 @@ def jitter_bound(mutation: Mutation) -> Statement:
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
     now, _, wait = vertsplit(g.system.update, [0, 2, 4, 5])
-    widths = h > 0, width == t.most * h, width >= 0, between(0, t.drawn, t.most)
     waits = t.most >= g[jitter.DUE.name], nonnegative(t.phase, t.steps)
-    given = widths, waits
+    given = h > 0, width == t.most * h, width >= 0, between(0, t.drawn, t.most), waits
     acts = t.phase >= mutation(t.most, t.most - 1)
     told = [g.bound(name)[0] == width for name in ("delay", "jitter")]
     goals = when(acts, every(now, g.torque)), t.most >= wait, told
@@ -525,8 +523,13 @@ def motor_bound(mutation: Mutation, axis: int) -> Statement:
     return g.states(within(made, bound * mutation(1, 0.9)), given=given, more=t)
 
 
-HEAVIEST = {"robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1}
-ALONG = at(**HEAVIEST, sine=1, **{"slope.offset": 0}, along=1, across=0)
+ALONG = at(
+    **{"robot.m": 1, "guard.M_max[1]": 1, "robot.g": 1},
+    sine=1,
+    **{"slope.offset": 0},
+    along=1,
+    across=0,
+)
 """Straight uphill."""
 
 claim = Claims()

@@ -68,8 +68,7 @@ class BandAxis(Named):
     @property
     def faded(self) -> Relations:
         """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
-        shares = between(0, self.left, 1), between(0, self.fading, 1)
-        return shares, self.tail >= 0, self.c > 0
+        return between(0, self.left, 1), between(0, self.fading, 1), self.tail >= 0, self.c > 0
 
 
 def bound_of(forecast: Forecast, way: int, part: int = 0) -> SX:

@@ -403,6 +403,5 @@ def held_share(mutation: Mutation) -> Statement:
         return within(v, t.V - less), [within(rim, t.W - less) for rim in rims]
 
     shares = between(0, t.held, 1), between(1 - t.held, t.share, 1), between(0, t.q, 1)
-    before = inside(t.v, t.omega, SX(0)), inside(t.to, t.turn_to, d)
-    given = positive(t.l, t.V, t.W), shares, before
+    given = positive(t.l, t.V, t.W), shares, inside(t.v, t.omega, SX(0)), inside(t.to, t.turn_to, d)
     return Statement(t, inside(*after, SX(0)), given)

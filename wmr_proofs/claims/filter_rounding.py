@@ -253,9 +253,8 @@ def agrees(mutation: Mutation) -> Statement:
     """
     s = symbols("V v above below n sum least", "V")
     V, off = s.V, (SLACK + s.n * PIECE) * s.V * mutation(1, 2**14)
-    sizes = s.n <= 2.0**16, s.n >= 0, s.above <= V, s.below <= V
     bounds = s.above + off >= s.v, s.below + off >= -s.v
-    given = V > 0, sizes, bounds
+    given = V > 0, s.n <= 2.0**16, s.n >= 0, s.above <= V, s.below <= V, bounds
     computed = {"sum": s.above + s.below, "least": -contradiction(V)}
     return Statement(s, s.sum >= s.least, given, computed=computed)
 

@@ -57,7 +57,7 @@ One factor beside limits of wheels is in filter.rounding.beside.
 
 def governor(more: Keys) -> Governor:
     """The governor of `command_filter` with other settings."""
-    return Governor(load_scenario("paper-simulation", {**STATED, **more}))
+    return Governor(load_scenario("paper-simulation", STATED | more))
 
 
 def named_for(table: Symbols, scale: str) -> Symbols:

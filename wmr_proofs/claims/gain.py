@@ -56,7 +56,7 @@ def near_limit(sign: int) -> Case:
 
     numbers = dict.fromkeys(("u2", "b", "e", "D", "M"), POSITIVE)
     ends = dict.fromkeys(("m", "i"), NONNEGATIVE)
-    return Case(f"v_c0 {'>=' if sign > 0 else '<='} 0, v >= v*", {**numbers, **ends}, values)
+    return Case(f"v_c0 {'>=' if sign > 0 else '<='} 0, v >= v*", numbers | ends, values)
 
 
 def charted(target: str) -> Case:
@@ -92,7 +92,6 @@ def _point(n: Numbers, **values: float | str) -> Point:
     return {name: Fraction(x) for name, x in {**values, **vars(n)}.items()}
 
 
-AHEAD = regions.smooth_cases(sides=("out+",))
 claim = Claims(given="every 0 < v_u2 < v_u1, any |v_c0| < 1e100")
 
 
@@ -109,7 +108,11 @@ def ceiling(mutation: Mutation) -> Statement:
     return a.states(mutation(J, J - 0.1 * (v - c) ** 2) >= a.V)
 
 
-@claim("gain.ceiling-smooth", by=Ring(AHEAD, CLOSED_FORM, log_lemma=True), premises="lemma.log")
+@claim(
+    "gain.ceiling-smooth",
+    by=Ring(regions.smooth_cases(sides=("out+",)), CLOSED_FORM, log_lemma=True),
+    premises="lemma.log",
+)
 def ceiling_smooth(mutation: Mutation) -> Statement:
     """the same for the smooth barrier as compiled, and its A is the paper's less 1/(v_u1 - v_u2),
     for v > v_u2.

@@ -151,7 +151,7 @@ def inside_shapes(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> St
     table, cuts = Symbols(), Cuts()
     goals, given = Group(), Group()
     for scale in scales:
-        scenario = load_scenario("paper-simulation", {**STATED, **more, "filter.scale": scale})
+        scenario = load_scenario("paper-simulation", STATED | more | {"filter.scale": scale})
         (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
         table |= named_for(elements_of(*ports_of(system)), scale)
         sent = SX.sym("sent", 2)

@@ -107,8 +107,7 @@ def not_blamed(mutation: Mutation) -> Statement:
     new = t.old + b.period * mean
     y, before = new + t.e_new, t.old + t.e_old
     errors = [b.nbar >= side * t[name] for side in (1, -1) for name in ("e_new", "e_old")]
-    ahead = (fmin(way * y, way * before) > b.nbar, t.drag >= 0)
-    given = a.feasible(), a.during(), errors, ahead
+    given = a.feasible(), a.during(), errors, fmin(way * y, way * before) > b.nbar, t.drag >= 0
     return Statement(a | t, fmax(t.push, 0) >= least_push(y, before, a.asked, b), given)
 
 

@@ -255,8 +255,7 @@ class GuardAxis(Named):
         if not self.lateness:
             return self.measured, during
         most, arrived = self.reached(way) + more, self.arrived
-        arrives = (most >= arrived, arrived >= self.f_speed)
-        return self.measured, during, self.moving, arrives
+        return self.measured, during, self.moving, most >= arrived, arrived >= self.f_speed
 
     def start(self, way: int, more: Number = 0) -> SX:
         """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
@@ -279,8 +278,7 @@ class GuardAxis(Named):
         if self.lateness < LATE:
             return self.sound(longer), brakes, self.seen(way, 0, self.during()), limits
         lines = self.lines(way, self("room_", way), u1 - arrived)
-        known = self.during(longer), arrived >= self.f_speed, lines
-        return self.sound(), brakes, known, limits
+        return self.sound(), brakes, self.during(longer), arrived >= self.f_speed, lines, limits
 
     def beyond(self, way: int) -> SX:
         """Excess of v+ where the new command takes over."""
@@ -294,9 +292,8 @@ class GuardAxis(Named):
         if self.lateness < LAGGING:
             return self.stated, self.seen(way), self.during(), beyond > 0, ordered
         u1, most, again = self.u1, self.arrived, self.lasts(way)[2] / self.M_min
-        past = beyond > 0, most + again - u1 >= beyond
         left = u1 - most - again >= self("room_", way), self.hi >= self.lo
-        return self.stated, past, left
+        return self.stated, beyond > 0, most + again - u1 >= beyond, left
 
     def ordered(self, way: int) -> Relations:
         """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""

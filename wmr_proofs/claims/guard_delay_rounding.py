@@ -235,8 +235,7 @@ class QueuedAxis(RoundedAxis):
     def bounded(self) -> Relations:
         """Bounds on the brakes and the largest command."""
         room, brakes, largest = 2 * self.held_back * self.reach, self.brakes, self["largest"]
-        least = brakes >= 0, brakes >= abs(self.net) + room
-        return least, largest >= 0, largest >= self.net + room
+        return brakes >= 0, brakes >= abs(self.net) + room, largest >= 0, largest >= self.net + room
 
     def arrives(self, way: int) -> Relations:
         """arrived <= max(way v, f_speed) + the computed push under way, and <= u1."""
@@ -395,12 +394,12 @@ def force(mutation: Mutation, way: int) -> Statement:
 
 
 PARTS = " ".join(part.id for part in claim.listed)
-WHEELS_ENTRIES = "guard.rounding.maps guard.rounding.torques"
 
 
 @claim(
     "guard.delay.rounding",
-    premises=f"{PARTS} guard.delay.rounding.kept {WHEELS_ENTRIES} guard.axes guard.lemma",
+    premises=f"{PARTS} guard.delay.rounding.kept guard.rounding.maps guard.rounding.torques "
+    "guard.axes guard.lemma",
 )
 def together(mutation: Mutation) -> Statement:
     """v+ + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the torques that the
@@ -416,7 +415,6 @@ def together(mutation: Mutation) -> Statement:
     a = QueuedAxis()
     lost = mutation(1, 2) * a.on_wheels
     end = a.arrived + a.t * fmax(a.hat + a.net, 0) / a.mass
-    begins = a.u1 >= a.arrived, a.arrived >= a.f_speed
     lies = fmax(a.asked, a.most) + lost >= a.hat, a.safe(1, a.asked), a.safe(1, a.most)
-    given = a.stated, a.during(), begins, lies
+    given = a.stated, a.during(), a.u1 >= a.arrived, a.arrived >= a.f_speed, lies
     return Statement(a, a.u1 >= end, given)

@@ -318,4 +318,4 @@ def controller(
     share = {name: exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
     below = (item for e in free.values() for item in (e > 0, e < 1))
     given = (whole.signs, *below)
-    return Statement(whole | free, every(mutation * theirs, ours), given, {**whole.cuts, **share})
+    return Statement(whole | free, every(mutation * theirs, ours), given, whole.cuts | share)

@@ -50,8 +50,7 @@ def varying_moved(mutation: Mutation) -> Statement:
     z, p, more_z, more_p, falls, rises, e = t.values()
     first, second = moved(z, p, (falls, rises)), moved(more_z, more_p, (falls, rises))
     lies = between(p + e * (z - p), first, fmax(z, p)), first >= fmin(z, p)
-    sizes = nonnegative(z, p), more_z >= z, more_p >= p
-    given = sizes, between(0, rises, e), between(e, falls, 1)
+    given = nonnegative(z, p), more_z >= z, more_p >= p, between(0, rises, e), between(e, falls, 1)
     return Statement(t, (mutation(1, 0.99) * second >= first, lies), given)
 
 
@@ -162,8 +161,7 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     need = fmax(t.brakes + a.net, 0) / b.alpha
     pairs = zip(rooms, cores, strict=True)
     lines = [b.M_min * room >= fmin(core, a.most / b.alpha) for room, core in pairs]
-    needed = larger(*cores) >= need, a.most >= need * b.alpha
-    given = lines, needed, positive(b.M_min, b.alpha)
+    given = lines, larger(*cores) >= need, a.most >= need * b.alpha, positive(b.M_min, b.alpha)
     return Statement(a | t, b.M_min * larger(*rooms) >= mutation(1, 1.01) * need, given)
 
 

@@ -166,15 +166,14 @@ def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     net >= D; {caps}.
     """
     # t at its end, as v is linear.
-    b, D, left = a.bounds, a.extra, a.room
+    b, D = a.bounds, a.extra
     limit = a.exceeded(mutation(1, 0.99))
     over, most = a.start(way, D), a.hi if way > 0 else -a.lo
     last = b.period + a.J - a.since
     end = over + last * fmax(most + a.net + D, 0) / a.mass
     free = a.arrived - D * (a.late - a.J) / b.M_min - b.u1
     known = a.sound(), a.capped, a.during(), a.arrived >= b.f_speed
-    begins = D >= 0, a.withstands(D), limit >= over
-    given = known, a.lines(way, left, -free), begins
+    given = known, a.lines(way, a.room, -free), D >= 0, a.withstands(D), limit >= over
     return Statement(a, limit >= end, given, {**a.cuts, "room": a.left[0 if way > 0 else 1]})
 
 

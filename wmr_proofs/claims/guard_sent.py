@@ -176,11 +176,10 @@ def added(a: GuardAxis) -> Relations:
     if a.lateness < LATE:
         return (a.late * most >= a.ahead + a.back,)
     rest, again = (a.late - a.J) * most, a.again
-    from_rest = rest >= a.rest_ahead, rest >= a.rest_back
     mean = (a.usual + a.both_act - 2 * a.J) * most >= a.ahead + a.back
     last = at_least(a.J * most, again.ahead + again.back), positive(a.bounds.M_min)
     longer = a.rest_ahead >= a.ahead, a.rest_back >= a.back
-    return from_rest, mean, last, longer
+    return rest >= a.rest_ahead, rest >= a.rest_back, mean, last, longer
 
 
 def spares(a: GuardAxis) -> tuple[SX, SX]:
@@ -228,7 +227,7 @@ def late_room(mutation: Mutation) -> Statement:
     sums = nonnegative(t.again_ahead, t.again_back), again
     given = signs, sums, _spared(a, t.spare_ahead, t.spare_back)
     goal = a.enough(a.left, mutation(1, 0.99))
-    return Statement(a | t, goal, given, {**a.cuts, **dict(zip(t, spared, strict=True))})
+    return Statement(a | t, goal, given, a.cuts | dict(zip(t, spared, strict=True)))
 
 
 @claim(

@@ -53,8 +53,6 @@ TARGETS7 = Ring(regions.target_cases(edges=False))
 LAW = tuple(Ring(regions.law_cases(regions.open_cases(), axis), CLOSED_FORM) for axis in (0, 1))
 NONZERO = regions.off_target_cases()
 
-KINK = (at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)
-R2_POINT = (at(v=0, c=2, u1=1, u2="4/5", cdot=1),)
 claim = Claims(by=OPEN35, form=PRINTED)
 
 
@@ -114,7 +112,7 @@ def envelope(mutation: Mutation) -> Statement:
     return m.states((m.x - m.all[1]) * x_rate(m) + mutation * at_target(m) == 0)
 
 
-@claim("eq25.printed", (25,), by=Refute(R2_POINT))
+@claim("eq25.printed", (25,), by=Refute((at(v=0, c=2, u1=1, u2="4/5", cdot=1),)))
 def eq25_printed(mutation: Mutation) -> Statement:
     """g' = -(v_c1 - v_c0) v_c0'.
 
@@ -249,7 +247,11 @@ def decay(mutation: Mutation, axis: int) -> Statement:
     return Statement(t | free, rate == -mutation * rho * value, (), law.inner(axis))
 
 
-@claim("eq30.printed", (30,), by=Refute(KINK))
+@claim(
+    "eq30.printed",
+    (30,),
+    by=Refute((at(v="4/5", c="1/2", u1=1, u2="4/5", cdot=5, rho=15, h="1/1000000"),)),
+)
 def quotient_at_kink(mutation: Mutation) -> Statement:
     """V1' = -rho V1 at every instant, |v| = v_u2 included.
 

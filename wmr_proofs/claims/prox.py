@@ -460,9 +460,8 @@ def rises(mutation: Mutation) -> Statement:
     E, roots = t.E, (t.S, t.S_next, t.S_mid, t.S_carried)
     values = t.before, t.after, t.mid, t.carried
     squares = [root**2 == 2 * value for root, value in zip(roots, values, strict=True)]
-    signs = nonnegative(*roots), E > 0, E < 1, t.way >= 0
     moved = t.before >= t.carried, t.S_carried + t.way >= t.S_mid
-    given = squares, signs, moved, E**2 * t.mid >= t.after
+    given = squares, nonnegative(*roots), E > 0, E < 1, t.way >= 0, moved, E**2 * t.mid >= t.after
     most = E * (t.S + mutation(1, 0.9) * t.way)
     level = Relation(if_else(t.way > 0, 0, E**2 * t.before - t.after), AT_LEAST)
     return Statement(t, (most >= t.S_next, level), given)

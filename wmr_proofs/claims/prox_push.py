@@ -369,8 +369,7 @@ def light_model(mutation: Mutation) -> Statement:
     given = [part for name in ("a", "L") for part in (t[name] > 0, t[name] < 1)]
     edge = 4 - mu * (2 * (a + L) - a * L)
     det = 1 - mu * (a + L) + mu * a * L
-    light = mu > 0, mutation(4 / SX(3), SX(1.5)) >= mu
-    return Statement(t, (edge > 0, det < 1), (given, light))
+    return Statement(t, (edge > 0, det < 1), (given, mu > 0, mutation(4 / SX(3), SX(1.5)) >= mu))
 
 
 @mass_claim(

@@ -156,7 +156,7 @@ def _pair(y_side: str, v_side: str, jump: str) -> Case:
 
     share = {"s": NONNEGATIVE} if jump == "part" else {}
     label = pair.label + (f", {jump} of the jump" if jump else "")
-    return Case(label, {**pair.numbers, **share}, values)
+    return Case(label, pair.numbers | share, values)
 
 
 class NewtonStep:

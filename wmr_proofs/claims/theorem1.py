@@ -66,8 +66,6 @@ SIGNED = Case(
 )
 
 PAPER = at(v1d="1/5", v2d="1/10", k1=10, k2=5, k3=4)
-QUARTER = at(e3="3/2", share="13/20", x="37/50")
-SLIGHT = at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", **PAPER, eps0="1/2", root="1/2")
 tracking_claim = Claims(by=Ring(GAINS), form=PRINTED)
 
 
@@ -142,7 +140,11 @@ def bounded(mutation: Mutation) -> Statement:
     return Statement(t, written >= t.fall)
 
 
-@tracking_claim("eq39.threshold", (39,), by=Z3(points=(SLIGHT,)))
+@tracking_claim(
+    "eq39.threshold",
+    (39,),
+    by=Z3(points=(at(e1=0, e2=0, e3="1/100", z1=0, z2="-1/2", **PAPER, eps0="1/2", root="1/2"),)),
+)
 def beyond(mutation: Mutation) -> Statement:
     """|sin e3| > sqrt(k2 eps1/k3) + eps0/(2 k3) makes V2' < 0.
 
@@ -183,7 +185,7 @@ def twice_threshold(_: Mutation) -> Statement:
     "eq39.corrected",
     (39,),
     form=CORRECTED,
-    by=Z3(points=(QUARTER,)),
+    by=Z3(points=(at(e3="3/2", share="13/20", x="37/50"),)),
     premises="eq39.threshold lemma.sine",
 )
 def quarter_turn(mutation: Mutation) -> Statement:
@@ -251,8 +253,7 @@ def growth(mutation: Mutation) -> Statement:
     """
     t = symbols("l k2 k3 E V0 eps1 root")
     l, k2, k3, E, V0, eps1, root = t.values()
-    large = 2 * l * root < E, E**2 < 2 * V0
-    given = positive(l, k2, k3, E, root), root**2 * k3 == k2 * eps1, large
+    given = positive(l, k2, k3, E, root), root**2 * k3 == k2 * eps1, 2 * l * root < E, E**2 < 2 * V0
     return Statement(t, k3 * V0 > mutation(1, 4) * 2 * l**2 * k2 * eps1, given)
 
 
@@ -483,9 +484,8 @@ def angle_end(mutation: Mutation) -> Statement:
     t = symbols("l k2 k3 v1dmin E e3 z2 root eps0 s")
     l, k2, k3, low, E, e3, z2, root, eps0, side = t.values()
     least = 2 * l * (root + eps0 / (2 * k3))
-    sizes = root >= 0, side**2 == 1, eps0 >= abs(z2)
     large = l * abs(e3) <= E, least * mutation(1, 0.25) < E
-    given = positive(l, k2, k3, low, E, eps0), sizes, large
+    given = positive(l, k2, k3, low, E, eps0), root >= 0, side**2 == 1, eps0 >= abs(z2), large
     moved = side * e3 - 3 * analysis.window(l, k2, low) * k2 * low * E / 10
     end = analysis.angle_after(l, side * e3, E)
     passed = -4 * (root + abs(z2) / (2 * k3)) > end

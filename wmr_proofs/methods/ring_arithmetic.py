@@ -23,9 +23,9 @@ class RingArithmetic(Arithmetic):
         self, case: Case, names: tuple[str, ...], fixed: Mapping[float, bool], spare: int
     ) -> None:
         free = {n: case.declared.get(n, FREE) for n in names}
-        self.algebra = Algebra({**case.numbers, **free}, spare)
+        self.algebra = Algebra(case.numbers | free, spare)
         chart = {name: self.algebra.by_name[name] for name in case.numbers}
-        self.inputs = {**{n: self.algebra.by_name[n] for n in names}, **case.values(chart)}
+        self.inputs = {n: self.algebra.by_name[n] for n in names} | case.values(chart)
         self.fixed = fixed
         self.ask: Ask = lambda _: True
         self.nonzero: set[Any] = set()

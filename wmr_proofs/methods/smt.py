@@ -187,7 +187,7 @@ def decide(statement: Statement, method: Z3) -> Finding:
             return Finding(REFUTED, _evidence(answers, engines), found)
     if {answer.word for answer in answers} <= {"unsat"}:
         return _unless_undefined_or_vacuous(statement, problem, engines, answers)
-    return Finding(OPEN, {**_evidence(answers, engines), **_effort(engines)})
+    return Finding(OPEN, _evidence(answers, engines) | _effort(engines))
 
 
 def _in_parts(statement: Statement, method: Z3) -> Finding:
