@@ -85,7 +85,7 @@ def test_what_doubles_scale_is_as_near_to_its_limits_as_is_proved(on, scale):
     The comparison is in rationals; some commands do exceed a limit.
     """
     a, rng, passed = Limited(on), np.random.default_rng(1), 0
-    sent = ca.Function("sent", [*a.symbols.values()], [scaled(a.asked, a.channels, *a.ends, scale)])
+    sent = ca.Function("sent", [*a.symbols.values()], [scaled(*a.asked, scale)])
     wheels = [not a.is_axis(channel) for channel in a.channels]
     for _ in range(300):
         low, high = (way * 2.0 ** rng.uniform(-9, 3, len(wheels)) for way in (-1, 1))
