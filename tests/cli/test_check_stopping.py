@@ -48,6 +48,7 @@ def test_check_tells_how_a_base_leaves(wmr, cart):
     slower = "--set limits.v_min=[-0.05,-1] --set filter.nearing=0.2 --set filter.leave=0"
     assert "can never leave what is ahead by commands" in lines(slower)
     assert "lowered from one [m/s] to another, backwards, is kept" in lines(slower)
+    assert "may stop by itself between two" in lines("--set filter.losses=4 --set filter.hold=0.2")
     clip = "--set filter.kind=clip --set filter.decel=[1,2] --set filter.changing=false"
     assert "a clip does not count" in lines(clip)
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict
 
+from wmr_ctrl.control.filter.governor_step import schedules
 from wmr_ctrl.control.filter.stop_numbers import (
     Stopping,
     costs,
@@ -90,6 +91,12 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
 
 def _leaving(case: Scenario) -> Iterator[str]:
     settings, words = case.filter, {-1: "what is ahead", 1: "what is behind"}
+    if settings.d[0] and schedules(case)[0].stops_alone:
+        yield (
+            "it can never leave what is near by commands: the base may stop by itself between two "
+            f"of them (filter.hold = {settings.hold:g} s), so that it is never known to rest"
+        )
+        return
     for way, place in words.items():
         if pull_away(case, way) <= 0:
             yield (

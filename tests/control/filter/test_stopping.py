@@ -52,6 +52,20 @@ def test_drives_neither_touch_nor_stay(name):
     assert broken(drives(FAMILIES[name], 200, 4)) == {}
 
 
+@pytest.mark.parametrize(
+    "base, behind, asked",
+    [
+        (replace(LATE, error=0.5, v=(1.0, 0.05)), math.inf, (0.0, 0.5)),
+        (replace(LATE, leave=20, v=(1.0, 0.05)), math.inf, (0.0, 0.5)),
+        (replace(LATE, losses=3, jitter=0.5, tau=(0.05, 0.05), rest=0.0), 0.0, (1.0, 0.0)),
+    ],
+)
+def test_what_is_free_lets_a_base_go_however_much_it_keeps_or_must_hold(base, behind, asked):
+    told = {"measured": (0.0, 0.0), "free": (math.inf, behind), "dt": base.period}
+    step = CommandFilter(base.scenario()).step
+    assert any(step(asked, **told).command != (0.0, 0.0) for _ in range(150))
+
+
 @pytest.mark.parametrize("name", TEETH)
 @pytest.mark.slow_but("brake", "a period less than the time for a lowered limit")
 def test_a_bound_that_does_not_hold_is_seen(name):

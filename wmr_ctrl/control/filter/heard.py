@@ -132,10 +132,17 @@ class Watching(Heard):
     @cached_property
     def free_now(self) -> Sides:
         """Free way of each side: told, or what was told before less the way since then."""
-        return each_side(self._free)
+        return each_side(lambda place, i: self._free(place, i, self.far(place, i)))
 
-    def _free(self, place: int, axis: int) -> ca.SX:
-        number, far, V = place + 2 * axis, self.far(place, axis), self.channels[axis].sides[place].V
+    @cached_property
+    def free_whole(self) -> Sides:
+        """`free_now`, but as far as it is told, beyond what limits a command."""
+        return each_side(lambda place, i: self._free(
+            place, i, ca.fmax(self.far(place, i), ca.fmin(self.free.sym[place + 2 * i], LARGEST))
+        ))  # fmt: skip
+
+    def _free(self, place: int, axis: int, far: ca.SX) -> ca.SX:
+        number, V = place + 2 * axis, self.channels[axis].sides[place].V
         most = largest([ca.SX(0), *(item.sym[2 * place + axis] for item in self.most_before)])
         speed, told = ca.if_else(self.believed, most, V), ca.fmin(self.free.sym[number], far)
         if axis == 0:

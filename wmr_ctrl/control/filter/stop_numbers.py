@@ -146,6 +146,8 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
     if settings.kind == "clip" or settings.rest is None or pull <= 0:
         return None
     stop, plan = stop_of(scenario, 0)
+    if plan.stops_alone and stop.push:
+        return None
     rests = whole_steps(plan, T, settings.rest + plan.losses * (1 + plan.jitter) * T, NEAR)
     steps = _commands(plan, T, stop.hold(pull)) if stop.push else 0
     least = stop.push / settings.intervals("gain")[0][0]

@@ -134,7 +134,9 @@ class StoppingGovernor(Watching, Governor):
         """Way from which on a free way limits no command."""
         stop, b = self.stops[axis], self.channels[axis].sides[place]
         times = stop.time + stop.fading + self.p.take("filter.free_age")
-        return 2 * (1 + b.kappa) * (b.V + stop.nearing) * (times + self.T) + stop.creep
+        kept = (1 + self.scenario.filter.leave) * stop.creep
+        kept += 0 if axis else self.p.take("filter.free_error")
+        return 2 * (1 + b.kappa) * (b.V + stop.nearing) * (times + self.T) + kept
 
     @cached_property
     def reached(self) -> list[list[list[Reached[ca.SX]]]]:
@@ -273,7 +275,7 @@ class StoppingGovernor(Watching, Governor):
         stop, aged = self.stops[axis], self.p.take("filter.free_age")
         told = speed * aged + (0 if axis else 2 * self.p.take("filter.free_error"))
         kept = self.scenario.filter.leave * stop.roll
-        return self.free_now[place][axis] - kept >= speed * time + stop.creep + told
+        return self.free_whole[place][axis] - kept >= speed * time + stop.creep + told
 
     @cached_property
     def opens(self) -> ca.SX:

@@ -111,7 +111,9 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
     return FilterFacts(stated.kind, statement, high, usable, sided, delayed, stronger, broken)
 
 
-ON_THE_SPOT = {"base.min_radius": 0.0, "filter.free_error": None, "filter.nearing": 0.0}
+ON_THE_SPOT = {
+    "base.min_radius": 0.0, "filter.free_error": None, "filter.nearing": 0.0, "filter.decel": None,
+}  # fmt: skip
 """A base of which each axis moves by itself, and with nothing in its way."""
 
 

@@ -159,6 +159,12 @@ class Filter(Section, key="filter"):
             self._relate_slew()
         if self.is_told:
             self._relate_told()
+        stops = self.kind == "none" or (self.kind == "clip" and self.free_error is not None)
+        if self.decel is not None and not stops:
+            raise ScenarioError(
+                'filter.decel is for filter.kind = "clip" with filter.free_error, which stops by '
+                "it: nothing else uses it. Leave it out."
+            )
         if self.scale == "axes" and (self.channels == "wheels" or self.wheel_speed):
             raise ScenarioError(
                 'filter.scale = "axes" limits v and omega separately, which does not fit wheels '
