@@ -186,7 +186,7 @@ static void carried_on(drive *s, int i, double h, double rate)
     for (int k = 0; k < 2; ++k) {
         double way = k ? -1 : 1, before = way * v, then = way * after, most = larger(before, then);
         double speed = i == 0 ? s->nearing[k] : 0, wall = s->walls[i][k];
-        s->out->over = larger(s->out->over, most / s->p->axes[i].limits[k]);
+        if (most > 0) s->out->over = larger(s->out->over, most / s->p->axes[i].limits[k]);
         if (!s->touched[i][k] && most > 0) {
             double until = before > 0 ? turns : h;
             later(s, i, until, rate, &speed_there, &at);

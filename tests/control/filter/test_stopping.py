@@ -189,6 +189,7 @@ def test_an_input_or_a_bound_that_is_worse_never_sends_more(name):
         ({"free": (1, 1), "turn": (1,)}, "turn has 1 number"),
         ({"limits": ((-1, 1), (-1, 1))}, "filter.changing"),
         ({"free": (1, 1)}, "filter.free_error"),
+        ({"turn": (1, math.inf)}, "filter.free_error"),
     ],
 )
 def test_arguments_of_a_wrong_length_or_that_no_key_asks_for_are_refused(given, words):

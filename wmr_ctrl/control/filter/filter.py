@@ -407,12 +407,13 @@ class CommandFilter:
                 )
             linear, angular = (_pair(side, "limits") for side in limits)
             self._limits = (*linear, *angular)
-        if free is not None and settings.free_error is None:
-            raise ArgumentError(
-                "free is told, and this filter asks for no distances. Set filter.free_error [m]."
-            )
         ways = (math.inf, math.inf) if free is None else _pair(free, "free")
         told = (*ways, *_pair(turn, "turn"))
+        if settings.free_error is None and (free is not None or told != (math.inf,) * 4):
+            raise ArgumentError(
+                "free or turn is told, and this filter asks for no distances. Set "
+                "filter.free_error [m]."
+            )
         age = -1.0 if free is None else float(free_age)
         return {LIMITS: self._limits, FREE: told, FREE_AGE: (age,)}
 
