@@ -16,14 +16,13 @@ import numpy as np
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
 from wmr_ctrl.theory.checks.loop import IntArray
-from wmr_ctrl.world.scenario import Scenario
 
 from .enclosure import OpenBoxError
 from .gains import fast_rows
 from .inputs import NoCorridorError, check_size, conditions
 from .loop import UP
-from .midradius import ROUNDED, MidRadius, hull, widened
-from .motion import MovingLoop, laps_of, motion_of
+from .midradius import ROUNDED, MidRadius, hull
+from .motion import MovingLoop, motion_of
 from .secants import SecantCurve
 from .stretch import Stretch, forgets, stretch
 
@@ -53,8 +52,7 @@ class Along:
 
     def __init__(self, setup: Setup) -> None:
         """Compose the graphs and run the loop undisturbed; NoCorridorError if that fails."""
-        self.setup, motion = setup, motion_of(setup.scenario)
-        self.laps, self.motion = laps_of(motion, _lap(setup.scenario))
+        self.setup, self.motion = setup, motion_of(setup.scenario)
         self.loop = loop = MovingLoop(setup, self.motion, partial(conditions, setup))
         check_size(loop)
         self.states, self.fine, self.outs = loop.undisturbed()
@@ -196,11 +194,10 @@ class Along:
         for first in range(0, n, PORTION):
             part = np.arange(first, min(first + PORTION, n))
             given = MidRadius(self._law_by(part))
-            value = loop.law_curve.value(given, self._law_numbers(part))
+            value = loop.law_curve.value(given, MidRadius(loop.law_numbers[part]))
             law = np.maximum(law, (value - MidRadius(self.outs[part])).most.max(axis=0))
             given = MidRadius(self._step_by(part))
-            spread = self.laps.spread[part, None, None]
-            value = loop.step_curve.value(given, MidRadius(loop.step_numbers[part], spread))
+            value = loop.step_curve.value(given, MidRadius(loop.step_numbers[part]))
             off = (value - MidRadius(self.fine[part, 1:])).most
             step = np.maximum(step, off.max(axis=(0, 1)))
         return law, step
@@ -208,29 +205,13 @@ class Along:
     def law_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Ranges of the law's variables and numbers over some samples."""
         by, numbers = hull(self._law_by(np.arange(first, last)), 0), self.loop.law_numbers
-        spread = self.laps.spread[first:last].max()
-        return by, widened(hull(numbers[first:last], 0), spread)
+        return by, hull(numbers[first:last], 0)
 
     def step_range(self, first: int, last: int) -> tuple[MidRadius, MidRadius]:
         """Ranges of a plant step's variables and numbers over all plant steps of some samples."""
         by, numbers = self._step_by(np.arange(first, last)), self.loop.step_numbers[first:last]
         one, other = (hull(item.reshape(-1, item.shape[2]), 0) for item in (by, numbers))
-        return one, widened(other, self.laps.spread[first:last].max())
-
-    def _law_numbers(self, at: IntArray) -> MidRadius:
-        """Numbers of the law at some samples, and in the laps that these represent."""
-        return MidRadius(self.loop.law_numbers[at], self.laps.spread[at, None])
-
-    def _step_numbers(self, at: IntArray) -> MidRadius:
-        """Numbers of all plant steps of each sample, and in the laps that these represent."""
-        return widened(hull(self.loop.step_numbers[at], 1), self.laps.spread[at, None])
-
-    def jump(self, k: int, other: int) -> tuple[Floats, Floats]:
-        """Differences between two samples, of the undisturbed loop's state and of sent commands."""
-        state = np.abs(self.states[k] - self.states[other])
-        ages = np.arange(1, self.loop.queue + 1)
-        sent = self.outs[k - ages, :COMMAND] - self.outs[other - ages, :COMMAND]
-        return state * UP, np.abs(sent[::-1]) * UP
+        return one, other
 
     def steady_until(self, k: int) -> tuple[int, int]:
         """First and last of the samples around ``k`` with constant reference and robot."""
@@ -260,8 +241,8 @@ class Along:
     def _slopes(self, at: IntArray) -> tuple[MidRadius, MidRadius]:
         """Gradients of the law at samples, and of the plant step over all steps of each sample."""
         loop = self.loop
-        by = MidRadius(self._law_by(at)), self._law_numbers(at)
-        steps = hull(self._step_by(at), 1), self._step_numbers(at)
+        by = MidRadius(self._law_by(at)), MidRadius(loop.law_numbers[at])
+        steps = hull(self._step_by(at), 1), hull(loop.step_numbers[at], 1)
         return loop.law_curve.slopes(*by), loop.step_curve.slopes(*steps)
 
     def matrices(self, first: int, last: int) -> Stretch:
@@ -294,10 +275,10 @@ class Along:
         """Matrices of some samples by secants over boxes of law and plant step variables."""
         loop, at = self.loop, np.arange(first, last)
         law_by, outs = self._law_by(at), self.outs[first:last, None]
-        numbers = self._law_numbers(at)
+        numbers = MidRadius(loop.law_numbers[at])
         law = self._law_secants.over(MidRadius(law_by), numbers, wide[0], law_by[:, None], outs)
         step_by, after = self._step_by(at), self.fine[first:last, 1:]
-        numbers = self._step_numbers(at)
+        numbers = hull(loop.step_numbers[at], 1)
         step = self._step_secants.over(hull(step_by, 1), numbers, wide[1], step_by, after)
         return replace(stretch(loop, law.slopes, step.slopes, self.knots), secants=(law, step))
 
@@ -331,9 +312,3 @@ class Along:
     def turned(self) -> Floats:
         """Heading offset of the nominal trajectory in each sample (n) [rad]."""
         return np.asarray(np.abs(self.fine[:, :, 2]).max(axis=1) * UP + self.motion.turned)
-
-
-def _lap(scenario: Scenario) -> int:
-    """Number of samples after which the reference approximately repeats; 0 if it never does."""
-    samples = scenario.reference.cycle / scenario.clock.control
-    return round(samples) if samples <= scenario.clock.samples else 0

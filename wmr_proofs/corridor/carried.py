@@ -84,14 +84,6 @@ class CarriedColumns:
         result = self._from(0, begin).and_more(new, self._from(end, None))
         return result, sizes_of(off, old.weight)
 
-    def with_more(self, share: float, more: float, other: CarriedColumns | None) -> CarriedColumns:
-        """These columns with remainder weights grown, and no smaller than ``other``'s."""
-        result = replace(self, weight=self.weight.copy())
-        result.bent[:] = result.bent * share + more
-        if other is not None and np.array_equal(other.born, self.born):
-            result.bent[:] = np.maximum(result.bent, other.bent)
-        return result
-
     def older(self, samples: int) -> CarriedColumns:
         """These columns, born ``samples`` later."""
         return replace(self, born=self.born + samples)

@@ -64,6 +64,7 @@ class Following(Remainders):
         self.pending[:3] = start
         if self.loop.filter:
             self._begin_estimate()
+        self.begun = self.pending.copy()
         rows = np.hstack([along.rows, np.zeros((len(along.rows), n - self.nz))])
         self.rows = np.vstack([rows, np.eye(n)[self.nz :]])
         self.row_sizes, self.fast_sizes = np.abs(self.rows), np.abs(along.rows)
@@ -128,7 +129,7 @@ class Following(Remainders):
     ) -> tuple[tuple[Floats, Floats], Floats]:
         """Propagate the bounds of the rows, by disturbances alone and in all, to a block's end.
 
-        Also returns the numbers of RunBounds of each sample (J, 5). OtherBoxError if deviations
+        Also returns the numbers of RunBounds of each sample (J, any). OtherBoxError if deviations
         leave the secant boxes, or these are too wide on a ``first`` try.
         """
         self.tried = now.k + now.count
@@ -139,7 +140,7 @@ class Following(Remainders):
         ahead = np.maximum(before[:-1], before[1:])[:, : len(along.rows)]
         near = NEAR if now.here.secants is None else SLOW_NEAR
         for tried in range(TRIES):
-            answer, most, law = self._found(now, guess, reach[1], until)
+            answer, (most, state, law) = self._found(now, guess, reach[1], until)
             if guess.holds(answer):
                 if not self._bent(now):
                     break
@@ -163,7 +164,7 @@ class Following(Remainders):
         heading = (most[:, 2] + now.most(along.turned)) * UP
         items = (along.distance(off, most), along.distance(off, ahead), heading, share, worst)
         after = self._beside(now, answer, until, slice(now.count - 1, None))[0][-1]
-        return (until.linear[-1], after), np.stack(items, axis=1)
+        return (until.linear[-1], after), np.column_stack([*items, most, state, law])
 
     def _beside(
         self, now: Instant, guess: Guess, until: _Until, places: slice = slice(None)
@@ -179,8 +180,8 @@ class Following(Remainders):
 
     def _found(
         self, now: Instant, guess: Guess, reach: Floats, until: _Until
-    ) -> tuple[Guess, Floats, Floats]:
-        """The next guess; bounds of the rows within samples, and of the law's outputs."""
+    ) -> tuple[Guess, tuple[Floats, Floats, Floats]]:
+        """The next guess; bounds of the rows within samples, the state, and the law's outputs."""
         block, rows, at = now.block, self.along.rows, now.block.at
         after, inner = self._beside(now, guess, until)
         begin = np.vstack([reach, after[:-1]])
@@ -203,7 +204,7 @@ class Following(Remainders):
         step = self._step(most, law[:, :COMMAND], now) + now.here.body[at] @ self.inputs.body
         left = each(now.here.steps[at], step) * UP
         box[:, : self.nz] += left
-        return Guess(added[:, :COMMAND], box * UP, left), most, law
+        return Guess(added[:, :COMMAND], box * UP, left), (most, state, law)
 
     def _within(
         self, now: Instant, state: Floats, commands: Floats, inner: Floats

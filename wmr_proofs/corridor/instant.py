@@ -22,6 +22,8 @@ class RunBounds:
 
     ``position``, ``linear`` [m] and ``heading`` [rad] (n): largest deviations in each sample, the
     second without remainders; ``share`` (n): of the most used condition, ``binding`` (n) its index.
+    ``box``: the fast state's rows (n, rows), the state at samples (n + 1, any), command and
+    conditions (n, any).
     """
 
     position: Floats
@@ -29,6 +31,7 @@ class RunBounds:
     heading: Floats
     share: Floats
     binding: Floats
+    box: tuple[Floats, Floats, Floats]
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,12 @@
 """The sampled loop along any motion of its reference: nominal trajectory and gradients.
 
 The motion is given by the reference's numbers at the samples.  Between two of them a robot that
-keeps its place moves at one velocity ``way``, which ends at the later pose up to ``gap``.  If a
-reference repeats, the undisturbed loop of one lap is used for later ones, too: the difference
-between its end and its beginning is a deviation, and numbers that differ between laps are spans.
+keeps its place moves at one velocity ``way``, which ends at the later pose up to ``gap``.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -18,7 +15,6 @@ from flint import arb
 from wmr_ctrl.codegen.build import first_step_at
 from wmr_ctrl.control.setup import Setup
 from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats, carried
-from wmr_ctrl.theory.checks.loop import IntArray
 from wmr_ctrl.world.model.evaluate import InPlace, evaluated
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario
@@ -32,8 +28,6 @@ from .spans import MidRadiusGraph
 UNSURE, OPERATIONS = 1e-12, 16.0
 """A size far below all that matters, and roundings of a coordinate in a step of `carried`."""
 
-SAME = 1e-10
-"""Largest difference of a reference's numbers from lap to lap."""
 STEEP, PARTS = 1.5, 8
 """Growth of a force's remainder from half a box to all of it that cuts a box up, and its parts."""
 
@@ -86,46 +80,6 @@ def motion_of(scenario: Scenario) -> RunMotion:
     way = np.vstack([way[:1], way])
     return RunMotion(at[:-1, 3:5], at[:-1, 5:7], way, apart[:, -1], reckoned, apart.max(axis=1),
                      turned, _robots(scenario, n, steps))  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Laps:
-    """Laps of a repeating reference, ``lap`` samples each; 0: it does not repeat.
-
-    ``end`` (n): the sample until which each sample's laps last, 0 without any.  ``spread`` (n):
-    largest difference of the reference's numbers in later laps.
-    """
-
-    lap: int
-    end: IntArray
-    spread: Floats
-
-    def are_from(self, k: int) -> bool:
-        """True if a lap from a sample on represents at least a part of the next one."""
-        return bool(
-            self.lap > 0 and self.end[k : k + self.lap].min(initial=len(self.end)) > k + self.lap
-        )
-
-
-def laps_of(motion: RunMotion, lap: int) -> tuple[Laps, RunMotion]:
-    """Laps of a motion, and the motion with distances enlarged to their maximum in later laps."""
-    n = len(motion.v_d)
-    numbers = np.hstack([motion.v_d, motion.rate, motion.way[:-1], motion.way[1:]])
-    most = np.column_stack([motion.gap, motion.reckoned, motion.aside, motion.turned])
-    spread, last, longest = np.zeros(n), np.zeros(n, dtype=int), most.copy()
-    ends = sorted({0, *(k + more for k in motion.moved for more in (0, 1)), n})
-    for begin, end in pairwise(ends if lap else ()):
-        last[begin:end] = end
-        for later in range(begin + lap, end, lap):
-            first = slice(begin, begin + end - later)
-            off = np.abs(numbers[later:end] - numbers[first]).max(axis=1)
-            spread[first] = np.maximum(spread[first], off)
-            longest[first] = np.maximum(longest[first], most[later:end])
-    spread = np.where(spread <= SAME, spread, np.inf)
-    same = np.isfinite(spread)
-    gap, reckoned, aside, turned = np.where(same[:, None], longest, most).T
-    motion = replace(motion, gap=gap, reckoned=reckoned, aside=aside, turned=turned)
-    return Laps(lap, np.where(same, last, 0), np.where(same, spread, 0.0)), motion
 
 
 def _chord(start: Floats, end: Floats, turn: Floats, period: float) -> Floats:
@@ -252,6 +206,7 @@ class MovingLoop(SampledLoop):
         numbers = ca.vertcat(v_d, rate, came)
         self.law_curve = MovingCurve("the law", by, numbers, output, (slice(1), 0.01))
         self.sizes = MidRadiusGraph("the limits", [by, numbers], ca.densify(sizes))
+        self.limits = ca.Function("limits", [by, numbers], [sizes])
         rest = [item.value for item in world.fast[5:]]
         begun = np.array(loop.core.x0)[: self.memory - self.filter]
         fast = np.concatenate((np.zeros(3), motion.v_d[0], *map(np.atleast_1d, rest)))

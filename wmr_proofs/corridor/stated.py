@@ -1,0 +1,120 @@
+"""Certificates for `wmr_proofs.corridor_check`, made from what the computation found."""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
+from wmr_proofs.corridor_check.certificate import Certificate
+from wmr_proofs.corridor_check.check import check
+from wmr_proofs.corridor_check.intervals import RefusedError
+
+from .certificate import Certifier
+from .gains import DIRECTIONS, PAIRS
+from .inputs import Inputs, NoCorridorError
+from .instant import RunBounds
+from .loop import SampledLoop
+from .passage import Passing
+from .peaks import Peaks, reference_gap
+
+ROOM, MORE_ROOM, DUST, LAGS = 1 + 5e-4, 1 + 3e-3, 1e-11, 2
+"""Growth of the box that is stated, also for a whole run, so that the inequality has some room; what
+is added; how many times the samples of a run's memory are told apart."""
+KNOTS = 10
+"""Places within a sample at which rows are summed up."""
+
+
+def checked(certificate: Certificate) -> tuple[Floats, Floats]:
+    """Distance and turn (K) that the checker shows; NoCorridorError if it refuses."""
+    try:
+        return check(certificate)
+    except RefusedError as error:
+        raise NoCorridorError(
+            f"the bounds that were computed do not pass their check ({error}), so no width is "
+            "stated. This is a fault of the computation: please report it with the scenario"
+        ) from error
+
+
+def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
+    """The Certificate of a Certifier's closed box."""
+    loop, scenario = certifier.loop, certifier.loop.setup.scenario
+    peaks = peaks.times(ROOM, DUST)
+    free = np.minimum(peaks.law[-loop.count :], (certifier.most - certifier.level) * (1 - 1e-9))
+    inputs = certifier._reckoned(inputs, peaks)
+    nz, n, steps = len(loop.names), len(loop.at), loop.steps
+    outs = COMMAND + loop.memory + loop.acting
+    start = np.zeros((n, 3 + COMMAND))
+    start[:3, :3] = np.diag(scenario.corridor.start)
+    if loop.observed:
+        old = nz + COMMAND * loop.queue + loop.observed[1]
+        start[old : old + COMMAND, 3:] = np.diag(certifier._before(inputs, certifier.law_rest))
+    lost = [0.0 if x.measured is None else inputs.velocity[x.measured] for x in loop.conditions]
+    law_gap, step_gap, v_d = np.zeros(outs), np.zeros(nz), loop.step.at[3:ROBOT]
+    step_gap[:2] = reference_gap(v_d, scenario.clock.plant)
+    if loop.filter:
+        place = COMMAND + loop.memory - loop.filter
+        law_gap[place : place + 2] = reference_gap(v_d, scenario.clock.control)
+    curves = (loop.law, loop.step, loop.limits)
+    none = ca.SX.sym("none", 0)
+    body = loop.step.at[-COMMAND:]
+    return Certificate(
+        *(ca.Function("graph", [x.by, none], [x.output]) for x in curves),
+        states=np.tile(loop.at, (2, 1)), fine=np.tile(loop.at[:nz], (1, steps + 1, 1)),
+        outs=loop.remains[None, :outs], body=np.tile(body, (1, steps, 1)),
+        law_numbers=np.zeros((1, 0)), step_numbers=np.zeros((1, steps, 0)),
+        share=loop.overlap.share, off=loop.overlap.off, law_gap=law_gap, step_gap=step_gap,
+        gap=np.zeros((1, n)), aside=np.zeros((1, 2)), start=start, lower=np.array(lost),
+        disc=(inputs.pose + certifier.begun, n - loop.acting - ROBOT) if loop.filter else (0.0, 0),
+        pairs=PAIRS, ratios=certifier.gains.ratios,
+        fast=peaks.fast[None, : nz + DIRECTIONS + 2 * len(PAIRS)],
+        state=np.tile(peaks.state, (2, 1)), out=np.concatenate([peaks.law[:COMMAND], free])[None],
+        knots=list(range(0, steps, max(1, steps // KNOTS))), lags=0, lines=None,
+        **_known(loop, inputs),
+    )  # fmt: skip
+
+
+def of_run(passing: Passing, bounds: RunBounds) -> Certificate:
+    """The Certificate of a whole run that was passed."""
+    along, loop, motion = passing.along, passing.loop, passing.along.motion
+    n, nz, outs = len(passing.pending), passing.nz, COMMAND + loop.memory + loop.acting
+    fast, state, out = (part * MORE_ROOM + DUST * (part > 0) for part in bounds.box)
+    free = (along.most - along.levels) * (1 - 1e-9)
+    out[:, COMMAND:] = np.minimum(out[:, COMMAND:], free)
+    gap = np.zeros((len(fast), n))
+    gap[:, :2] = motion.gap[:, None]
+    if loop.filter:
+        place = n - loop.acting - loop.filter
+        gap[:, place : place + 2] = motion.reckoned[:, None]
+    return Certificate(
+        loop.law_curve.function, loop.step_curve.function, loop.limits,
+        states=along.states, fine=along.fine, outs=along.outs[:, :outs],
+        body=motion.robot[..., :2], law_numbers=loop.law_numbers, step_numbers=loop.step_numbers,
+        share=np.zeros(0), off=np.zeros((0, COMMAND)), law_gap=np.zeros(outs),
+        step_gap=np.zeros(nz), gap=gap, aside=np.stack([motion.aside, motion.turned], axis=1),
+        start=np.diag(passing.begun), disc=(0.0, 0), lower=np.zeros(loop.count),
+        pairs=along.pairs, ratios=along.ratios, fast=fast, state=state, out=out,
+        knots=along.knots, lags=LAGS * along.memory, lines=_lines(passing),
+        **_known(loop, passing.inputs),
+    )  # fmt: skip
+
+
+def _lines(passing: Passing) -> tuple[Floats, Floats, Floats] | None:
+    """Samples that secants were used in, and the slopes of law and plant step."""
+    own, slopes = np.zeros(len(passing.along.fine), dtype=bool), ([], [])
+    for now in passing.lines:
+        assert now.here.secants is not None
+        own[now.k : now.k + now.count] = True
+        for part, item in zip(slopes, now.here.secants, strict=True):
+            part.append(item.slopes.middle[now.block.at])
+    law, step = (np.concatenate(part) for part in slopes) if passing.lines else (None, None)
+    return (own, law, step) if passing.lines else None
+
+
+def _known(loop: SampledLoop, inputs: Inputs) -> dict[str, Any]:
+    return {
+        "queue": loop.queue, "memory": loop.memory, "acting": loop.acting, "late": loop.late,
+        "push": inputs.push, "pose": inputs.pose, "reckoned": inputs.reckoned,
+        "velocity": inputs.velocity, "wide": inputs.body, "command": inputs.command,
+        "dead": inputs.dead,
+    }  # fmt: skip

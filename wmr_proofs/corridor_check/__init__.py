@@ -1,0 +1,1 @@
+"""Checker of the certified corridor, which shares no code with its computation."""

@@ -1,0 +1,75 @@
+"""What a certificate of a corridor states, as plain data."""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from .intervals import Floats
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A corridor's statement: a box for each sample, around a course of the undisturbed loop.
+
+    K samples follow each other; where ``lags`` is 0, one stands for all, for ever.  ``law`` and
+    ``step``: graphs of a column of variables and one of numbers; ``sizes``: conditions' limits, by
+    the law's columns.  A state has the fast state, ``queue`` commands sent, ``memory`` and
+    ``acting``.  The law's variables are e and v, memory, queue and acting, its outputs command,
+    memory, acting, and conditions' values.  A plant step's variables are fast state, command, push
+    and body.  A command acts ``late`` plant steps later.  In the next ones a ``share`` of the one
+    before it acts, off by ``off`` (steps, 2) of the difference.
+
+    Course: ``states`` (K + 1, n), ``fine`` (K, steps + 1, fast), ``outs`` (K, outputs without
+    conditions), ``body`` (K, steps, 2), ``law_numbers`` (K, any), ``step_numbers`` (K, steps, any).
+
+    Inputs: ``push`` (2), ``pose``, ``reckoned`` (3), ``velocity`` (2), ``wide`` (2, body),
+    ``command`` (2): error of an acting command, ``dead`` (2): further error if it may be so small.
+    Of the reference: ``law_gap`` (outputs), ``step_gap`` (fast) of every plant step, ``gap`` (K, n)
+    at a sample's end; ``aside`` (K, 2): how far [m, rad] it is off its place within a sample.
+    ``start`` (n, any): initial deviations; ``disc``: radius of one more, and its place in the
+    state.  ``lower`` (conditions): what measuring takes from the limits.
+
+    Box: ``fast`` (K, rows): elements, directions, sums and differences of ``pairs`` with their
+    ``ratios``; ``state`` (K + 1, n) at samples; ``out`` (K, any) of command and conditions.
+
+    ``knots``: plant steps at which rows are summed up; ``lags``: samples for which inputs are told
+    apart.  ``lines``: samples with slopes of their own, and those of law and step; None: gradients.
+    """
+
+    law: ca.Function
+    step: ca.Function
+    sizes: ca.Function
+    queue: int
+    memory: int
+    acting: int
+    late: int
+    share: Floats
+    off: Floats
+    states: Floats
+    fine: Floats
+    outs: Floats
+    body: Floats
+    law_numbers: Floats
+    step_numbers: Floats
+    push: Floats
+    pose: float
+    reckoned: Floats
+    velocity: Floats
+    wide: Floats
+    command: Floats
+    dead: Floats
+    law_gap: Floats
+    step_gap: Floats
+    gap: Floats
+    aside: Floats
+    start: Floats
+    disc: tuple[float, int]
+    lower: Floats
+    pairs: list[tuple[int, int]]
+    ratios: Floats
+    fast: Floats
+    state: Floats
+    out: Floats
+    knots: list[int]
+    lags: int
+    lines: tuple[Floats, Floats, Floats] | None

@@ -1,0 +1,347 @@
+"""Check a corridor's certificate: no sample leaves its box, if none before has left its own.
+
+Graphs are linear on a box apart from remainders, which intervals bound.  So a state is a sum of
+answers to the inputs of the last ``lags`` samples and to the state before these, which is in its
+own box.  Answers are products of matrices of doubles.  What rounding leaves of a product is one
+more input, and so is what matrices may be off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import numpy as np
+
+from .certificate import Certificate
+from .graphs import OUT, Graph, each
+from .intervals import Floats, RefusedError, most
+
+ROBOT, COMMAND = 5, 2
+UNIT, LONGEST, LEFT, DUST = 2.0**-45, 40_000, 1e-8, 1e-12
+"""Share by which a sum of 150 products errs at most; most samples of a standing loop, and the share
+of a deviation at which its sums end, beside a size below all that matters."""
+TERMS = 800_000
+"""Most terms of a sum."""
+
+
+def check(c: Certificate) -> tuple[Floats, Floats]:
+    """Distance [m] from the place on the path, and turn [rad], in each sample (K).
+
+    RefusedError if it is not shown that no deviation exceeds them.
+    """
+    sizes = [c.fast, c.state, c.out, c.push, c.reckoned, c.velocity, c.wide, c.command, c.dead,
+             c.gap, c.law_gap, c.step_gap, c.aside, c.lower, np.array([c.pose, c.disc[0]])]  # fmt: skip
+    if not all(np.isfinite(part).all() and (part >= 0).all() for part in sizes):
+        raise RefusedError("a size is negative or no number")
+    course = _Course(c)
+    sample = _Sample(c, course, _Linear(c, course))
+    fast, state, out = _gathered(c, sample, (_run if c.lags else _standing)(c, sample))
+    parts = (fast, c.fast, "fast state"), (state, c.state, "state"), (out, c.out, "law's output")
+    for found, claimed, name in parts:
+        if not (found <= claimed).all():
+            k, i = np.unravel_index(np.argmax(found / np.maximum(claimed, 1e-300)), found.shape)
+            reach = f"{found[k, i]:.6g} of {claimed[k, i]:.6g}"
+            raise RefusedError(f"{name} {i + 1} reaches {reach} in sample {k}")
+    ways = slice(course.nz, fast.shape[1] - 2 * len(c.pairs))
+    off = np.abs(c.fine[:, :, :2] @ course.rows[ways, :2].T).max(axis=1) + fast[:, ways]
+    distance = off.max(axis=1) / cos(pi / (2 * off.shape[1])) + c.aside[:, 0]
+    turn = np.abs(c.fine[:, :, 2]).max(axis=1) + fast[:, 2] + c.aside[:, 1]
+    return distance * OUT, turn * OUT
+
+
+class _Course:
+    """The undisturbed loop of a certificate, as variables and numbers of its graphs.
+
+    ``seen`` (K, any) of the law, ``moved`` (K, steps, any) of plant steps; ``order``: places in the
+    state of the law's variables; ``ages``: samples since the command that acts in each plant step;
+    ``rows``: elements, directions of the position, sums and differences of pairs of deviations.
+    """
+
+    def __init__(self, c: Certificate) -> None:
+        """RefusedError if a sample begins with something else than the last one ended in."""
+        (K, steps, self.nz), self.n = c.fine.shape, c.states.shape[1]
+        self.steps, self.outs, nz = steps - 1, c.outs.shape[1], self.nz
+        queue = nz + COMMAND * c.queue
+        sent = np.hstack([c.outs[:, :COMMAND], c.states[:-1, nz:queue]])
+        after = [c.fine[:, -1], sent[:, : COMMAND * c.queue], c.outs[:, COMMAND:]]
+        begun = np.array_equal(c.fine[:, 0], c.states[:-1, :nz])
+        if not (begun and np.array_equal(np.hstack(after), c.states[1:])):
+            raise RefusedError("a sample begins with something else than the last one ended in")
+        memory = range(queue, queue + c.memory)
+        self.order = [*range(ROBOT), *memory, *range(nz, queue), *range(memory.stop, self.n)]
+        self.seen = np.hstack([c.states[:-1, self.order], c.law_numbers])
+        self.ages = [-((s - c.late) // self.steps) for s in range(self.steps)]
+        acts = sent.reshape(K, -1, COMMAND)[:, self.ages]
+        parts = [c.fine[:, :-1], acts, np.zeros_like(acts), c.body, c.step_numbers]
+        self.moved = np.concatenate(parts, axis=2)
+        count, rows = c.fast.shape[1] - nz - 2 * len(c.pairs), [*np.eye(nz)]
+        for angle in (k * pi / count for k in range(count)):
+            rows.append(cos(angle) * rows[0] + sin(angle) * rows[1])
+        for (a, b), ratio in zip(c.pairs, c.ratios, strict=True):
+            rows += [rows[a] + sign * ratio * rows[b] for sign in (1, -1)]
+        self.rows = np.array(rows)
+
+
+@dataclass(frozen=True)
+class _Boxes:
+    """Deviations of the law's variables and of plant steps' (K, any), and products of two."""
+
+    seen: Floats
+    by_seen: Floats
+    moved: Floats
+    by_moved: Floats
+
+
+def _boxes(c: Certificate, course: _Course, error: Floats) -> _Boxes:
+    K, robot = len(c.fine), c.fast[:, :ROBOT]
+    products = robot[:, :, None] * robot[:, None]
+    sums = c.fast[:, len(course.rows) - 2 * len(c.pairs) :].reshape(K, -1, 2).max(axis=2) ** 2
+    for k, (a, b) in enumerate(c.pairs):
+        least = np.minimum(products[:, a, b], sums[:, k] / (4 * c.ratios[k]))
+        products[:, a, b] = products[:, b, a] = least
+    seen, begun = c.state[:-1, course.order], c.state[:-1, :ROBOT]
+    seen[:, :ROBOT] += error
+    by_seen, mixed = seen[:, :, None] * seen[:, None], begun[:, :, None] * error
+    least = np.minimum(products, begun[:, :, None] * begun[:, None])
+    by_seen[:, :ROBOT, :ROBOT] = least + mixed + mixed.swapaxes(1, 2) + np.outer(error, error)
+    queue = c.state[:-1, course.nz : course.nz + COMMAND * c.queue].reshape(K, -1, COMMAND)
+    sent = np.concatenate([c.out[:, None, :COMMAND], queue], axis=1)
+    last = max(course.ages) + (len(c.share) > 0)
+    acts = sent[:, min(course.ages) : last + 1].max(axis=1)
+    known = np.tile(np.concatenate([c.push, c.wide]), (K, 1))
+    moved = np.hstack([c.fast[:, : course.nz], acts, known])
+    by_moved = moved[:, :, None] * moved[:, None]
+    by_moved[:, :ROBOT, :ROBOT] = products
+    return _Boxes(seen, by_seen * OUT, moved, by_moved * OUT)
+
+
+class _Linear:
+    """Slopes of law and plant step along the course, and bounds of all that is beside them.
+
+    ``by_law`` (K, outputs, variables), ``by_step`` (K, fast, variables); ``law`` (K, outputs) and
+    ``step`` (K, fast): largest errors; ``given`` (K, inputs): sizes of a sample's inputs, see
+    `_Sample`; ``constant`` (fast): added in each plant step of a standing loop.
+    """
+
+    def __init__(self, c: Certificate, course: _Course) -> None:
+        """RefusedError if a limit may act on the box."""
+        law, step, outs = Graph(c.law), Graph(c.step), course.outs
+        seen, moved, K = course.seen, course.moved, len(c.fine)
+        shown = law.values(seen, seen)
+        level = most(shown)[:, outs:]
+        room = Graph(c.sizes).values(seen, seen)[0] / OUT - c.lower * OUT
+        if not ((level + c.out[:, COMMAND:]) * OUT <= room).all():
+            raise RefusedError("a limit may act on its box")
+
+        place = c.pose + c.reckoned[:COMMAND]
+        error = np.array([*place, c.reckoned[2], *c.velocity])
+        low, high, box = moved.min(axis=1), moved.max(axis=1), _boxes(c, course, error)
+        by_law, by_step = law.slopes(seen, seen), step.slopes(low, high)
+        own = np.zeros(K, dtype=bool)
+        if c.lines is not None:
+            own, *slopes = c.lines
+            for ends, stated in zip((by_law, by_step), slopes, strict=True):
+                for end in ends:
+                    end[own] = stated
+        (self.by_law, law_off), (self.by_step, step_off) = map(_middle, (by_law, by_step))
+        off, more = each(law_off, box.seen), each(step_off, box.moved)
+        at = np.flatnonzero(~own)
+        off[at] += law.second_order(seen[at], seen[at], box.seen[at], box.by_seen[at])
+        more[at] += step.second_order(low[at], high[at], box.moved[at], box.by_moved[at])
+        if own.any():
+            off[own] += law.beside_line(seen[own], self.by_law[own], box.seen[own])
+            for s in range(course.steps):
+                beside = step.beside_line(moved[own, s], self.by_step[own], box.moved[own])
+                more[own] = np.maximum(more[own], beside)
+
+        off[:, :outs] += most([end[:, :outs] - c.outs for end in shown]) + c.law_gap
+        acts = np.abs(c.outs[:, :COMMAND]) - c.out[:, :COMMAND] - c.command > c.dead
+        off[:, :COMMAND] += c.command + np.where(acts, 0.0, c.dead)
+        after = step.values(moved, moved)
+        still = 0.0 if c.lags else sum(end[0, 0] for end in after) / 2 - c.fine[0, 1]
+        self.constant = np.zeros(course.nz) + still
+        more += most([end - c.fine[:, 1:] - still for end in after]).max(axis=1) * OUT
+        more += np.abs(self.by_step[:, :, -COMMAND:]) @ c.wide + c.step_gap
+        self.law, self.step = off * OUT, more * OUT
+        changes = level[:, -COMMAND:] + c.out[:, -COMMAND:] + 2 * (c.command + c.dead)
+        known = np.tile(np.concatenate([error, [1.0]]), (K, 1))
+        late = (changes[:, None] * c.off).reshape(K, -1)
+        push = np.tile(c.push, (K, 1))
+        self.given = np.hstack([off[:, :COMMAND], push, late, known]) * OUT
+
+
+def _middle(ends: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    middle = (ends[0] + ends[1]) / 2
+    return middle, most([end - middle for end in ends]) * OUT
+
+
+class _Sample:
+    """Matrices of K samples by the state at their begin and by inputs.
+
+    Inputs: command's error, push, late commands, measured errors, a constant. ``next`` (K, n, any):
+    the state a sample later; ``box`` (K, n): what else is added to it.  ``rows`` (K, any, any): fast
+    state's rows, the rest of the state, fast state's rows at other knots, command and conditions;
+    ``apart`` (knots; K, rows): how far off rows are at a knot, and beside two until the next one, if
+    anything is between; ``direct``: errors of command and conditions.
+    """
+
+    def __init__(self, c: Certificate, course: _Course, linear: _Linear) -> None:
+        K, n, nz, outs, steps = len(c.fine), course.n, course.nz, course.outs, course.steps
+        self.n, self.given = n, linear.given
+        wide, full = n + self.given.shape[1], np.hstack([c.state[:-1], self.given])
+        shown = np.zeros((K, linear.law.shape[1], wide))
+        shown[:, :, course.order] = linear.by_law
+        shown[:, :, -1 - ROBOT : -1] = linear.by_law[:, :, :ROBOT]
+        unit = np.broadcast_to(np.eye(wide), (K, wide, wide))
+        sent = [shown[:, :COMMAND] + unit[:, n : n + COMMAND]]
+        sent += [unit[:, nz + COMMAND * k : nz + COMMAND * (k + 1)] for k in range(c.queue)]
+        push, now, off = unit[:, n + COMMAND : n + 2 * COMMAND], unit[:, :nz], np.zeros((K, nz))
+        courses, offs, by_step = [now], [off], linear.by_step[:, :, :-COMMAND]
+        still = np.outer(linear.constant, np.eye(wide)[-1])
+        for s, age in enumerate(course.ages):
+            phase, acts = (s - c.late) % steps, sent[age]
+            if phase < len(c.share):
+                late = unit[:, n + COMMAND * (2 + phase) : n + COMMAND * (3 + phase)]
+                acts = (1 - c.share[phase]) * acts + c.share[phase] * sent[age + 1] + late
+            given = np.concatenate([now, acts, push], axis=1)
+            rough = (
+                np.abs(by_step) @ (np.abs(given) @ full[:, :, None])
+                + np.abs(still) @ full[0, :, None]
+            )
+            off = (each(np.abs(by_step[:, :, :nz]), off) + linear.step + UNIT * rough[..., 0]) * OUT
+            now = by_step @ given + still
+            courses.append(now)
+            offs.append(off)
+        self.next = np.concatenate([now, *sent[: c.queue], shown[:, COMMAND:outs]], axis=1)
+        self.box = c.gap + UNIT * each(np.abs(self.next), full)
+        self.box[:, :nz] += off
+        self.box[:, n - outs + COMMAND :] += linear.law[:, COMMAND:outs]
+        self.apart, sizes = list[tuple[Floats, Floats | float]](), np.abs(course.rows).T
+        for a, b in zip(c.knots, [*c.knots[1:], steps], strict=True):
+            beside = np.zeros((K, nz))
+            for s in range(a + 1, b):
+                share = (s - a) / (b - a)
+                chord = courses[s] - (1 - share) * courses[a] - share * courses[b]
+                rough = UNIT * (np.abs(courses[a]) + np.abs(courses[b]))
+                beside = np.maximum(beside, each(np.abs(chord) + rough, full) + offs[s])
+            ended = off if b == steps else 0.0  # counts at the end already
+            inner = (beside - ended) @ sizes if b > a + 1 else -np.inf
+            self.apart.append((offs[a] @ sizes, inner))
+        read = [*range(COMMAND), *range(outs, shown.shape[1])]
+        self.direct, within = linear.law[:, read], [course.rows @ courses[a] for a in c.knots]
+        every = [within[0], unit[:, nz:n], *within[1:], shown[:, read]]
+        self.rows = np.concatenate(every, axis=1)
+
+
+class _Answers:
+    """Answers of the state to inputs of some samples: ``columns`` (n, m, samples), ``weights``.
+
+    Of the m, those of inputs are followed by a disc's pair, and by one for each number of the state.
+    """
+
+    def __init__(self, c: Certificate, sample: _Sample, count: int) -> None:
+        self.pose, self.sample, self.n = c.pose, sample, sample.n
+        weights, disc = sample.given.copy(), sample.given.shape[1] - 1 - ROBOT
+        weights[:, disc : disc + COMMAND] = c.reckoned[:COMMAND] * OUT
+        weights[:, -1] = 0.0
+        used = np.flatnonzero(weights.any(axis=0))
+        self.kept, self.pair, self.weights_of = self.n + used, len(used), weights[:, used]
+        self.discs, m = [self.n + disc, self.n + disc + 1], len(used) + COMMAND + self.n
+        if m * count > TERMS:
+            raise RefusedError("its loop forgets too slowly")
+        self.columns, self.weights = np.zeros((self.n, m, count)), np.zeros((m, count))
+
+    def put(self, place: int, k: int) -> None:
+        """Begin with what sample ``k`` adds."""
+        here = self.sample.next[k]
+        own = here[:, self.kept], here[:, self.discs], np.eye(self.n)
+        self.columns[:, :, place] = np.concatenate(own, axis=1)
+        self.weights[: self.pair, place] = self.weights_of[k]
+        self.weights[-self.n :, place] = self.sample.box[k]
+
+    def reach(self, rows: Floats, k: int, state: Floats) -> Floats:
+        """Largest values of rows of the state and of the inputs of sample ``k``, without a start."""
+        seen = rows[:, : self.n] @ self.columns.reshape(self.n, -1)
+        pair = seen.reshape(len(rows), *self.weights.shape)[:, self.pair : -self.n]
+        disc = np.hypot(pair[:, 0], pair[:, 1]).sum(axis=1) + np.hypot(*rows[:, self.discs].T)
+        total = np.abs(seen) @ self.weights.ravel() + disc * self.pose
+        total += np.abs(rows[:, self.kept]) @ self.weights_of[k]
+        return np.asarray((total + UNIT * np.abs(rows[:, : self.n]) @ state) * OUT)
+
+
+def _begun(c: Certificate) -> Floats:
+    """Columns (n, any) of what the state begins with, a disc's pair last."""
+    unit = np.eye(len(c.start))[:, c.disc[1] : c.disc[1] + COMMAND]
+    return np.hstack([c.start, c.disc[0] * unit])
+
+
+def _started(seen: Floats) -> Floats:
+    """Largest sums of such columns (..., rows, any)."""
+    every = np.abs(seen[..., :-2]).sum(axis=-1) + np.hypot(seen[..., -2], seen[..., -1])
+    return np.asarray(every * OUT)
+
+
+def _run(c: Certificate, sample: _Sample) -> Floats:
+    """Largest values (K + 1, rows) of the rows of each sample, and of the state after all."""
+    K, n, begun, reached = len(c.fine), sample.n, _begun(c), list[Floats]()
+    count = min(c.lags, K)
+    answers, far = _Answers(c, sample, count), np.zeros((n, count))
+    for k in range(K + 1):
+        rows = sample.rows[min(k, K - 1)].copy()
+        if k == K:
+            rows[:, n:] = 0.0
+        most = answers.reach(rows, min(k, K - 1), c.state[k])
+        reached.append(most + (_started(rows[:, :n] @ begun) if k < count else 0.0))
+        if k == K:
+            break
+        A, oldest = sample.next[k, :, :n], (k + 1) % count
+        columns = A @ answers.columns.reshape(n, -1)
+        answers.columns, begun = columns.reshape(answers.columns.shape), A @ begun
+        held = np.einsum("ijk,jk->ik", np.abs(answers.columns[:, -n:]), far).max(axis=1)
+        sample.box[k] += UNIT * np.abs(A) @ (c.state[k] + held) * OUT
+        answers.put(k % count, k)
+        far[:, k % count] = c.state[k + 1]
+        if k + 1 >= count:  # what its oldest sample ended in is within the box there
+            answers.columns[:, :-n, oldest] = 0.0
+            answers.weights[-n:, oldest] = far[:, oldest]
+    return np.array(reached)
+
+
+def _standing(c: Certificate, sample: _Sample) -> Floats:
+    """The same of one sample that stands for all."""
+    n, rows, state = sample.n, sample.rows[0], c.state[0]
+    (answers := _Answers(c, sample, 1)).put(0, 0)
+    A, m = sample.next[0, :, :n], len(answers.weights)
+    course = [np.hstack([answers.columns[..., 0], _begun(c), sample.next[0, :, -1:]])]
+    while (np.abs(course[-1][:, m - n : m]) @ state > LEFT * (state + DUST)).any():
+        course.append(A @ course[-1])
+        if len(course) > LONGEST or not np.abs(course[-1]).max() < 1e9:
+            raise RefusedError("the loop does not come to rest")
+    ways = np.array(course)
+    still = np.abs(ways[..., -1]).sum(axis=0)
+    held = (np.abs(ways[..., m - n : m]) @ state).max(axis=0)
+    sample.box[0] += UNIT * np.abs(A) @ (state + held + still) * OUT
+    answers = _Answers(c, sample, len(ways) - 1)
+    for k in range(len(ways) - 1):
+        answers.put(k, 0)
+    answers.columns = ways[:-1, :, :m].transpose(1, 2, 0)
+    seen = rows[:, :n] @ ways
+    left = np.abs(seen[-1, :, m - n : m]) @ state
+    begun = np.maximum(_started(seen[..., m:-1]).max(axis=0), left)
+    sums = np.abs(np.cumsum(np.vstack([rows[:, -1], seen[..., -1]]), axis=0)).max(axis=0)
+    sums += UNIT * np.abs(rows[:, :n]) @ still + (OUT - 1) * np.abs(seen[..., -1]).sum(axis=0)
+    reached = answers.reach(rows, 0, state) + (begun + sums) * OUT
+    return np.array([reached, reached])
+
+
+def _gathered(c: Certificate, sample: _Sample, reached: Floats) -> tuple[Floats, Floats, Floats]:
+    """Largest fast state within samples, state at samples, and outputs, from those of rows."""
+    count, nz, further = c.fast.shape[1], c.fine.shape[2], len(c.knots) - 1
+    ends = np.cumsum([count, sample.n - nz, *[count] * further])
+    begin, rest, *knots, out = np.split(reached, ends, axis=1)
+    course = [item[:-1] for item in (begin, *knots)] + [begin[1:]]
+    fast = [course[k] + here for k, (here, _) in enumerate(sample.apart)]
+    fast += [np.maximum(*course[k : k + 2]) + off for k, (_, off) in enumerate(sample.apart)]
+    state = np.hstack([begin[:, :nz], rest])
+    return np.max(fast, axis=0) * OUT, state, (out[:-1] + sample.direct) * OUT

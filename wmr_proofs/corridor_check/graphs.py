@@ -1,0 +1,93 @@
+"""Values, slopes and remainders of a graph of variables and numbers, at many places."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from .intervals import Floats, Interval, Program, most
+
+OUT, PARTS, PIECES, AT_ONCE = 1 + 1e-10, 8, 24, 4000
+"""Growth for sums of up to 800,000 rounded terms, all >= 0; parts of the way to a deviation, pieces
+of a velocity's, and places that are evaluated at once."""
+SPEED = 3
+"""Place of the velocity, by which friction changes its sign."""
+
+
+class Graph:
+    """One graph, a function (variables, numbers)."""
+
+    def __init__(self, function: ca.Function) -> None:
+        by, numbers = (ca.SX.sym(name, function.numel_in(k)) for k, name in enumerate("bn"))
+        output = ca.densify(function(by, numbers))
+        self.size, self.shape = by.numel(), (output.numel(), by.numel())
+        slope = ca.jacobian(output, by)
+        bent = ca.jacobian(ca.vec(slope.nz[:]), by)
+        self._places = np.array(slope.sparsity().get_triplet(), dtype=int).reshape(2, -1)
+        first, third = np.array(bent.sparsity().get_triplet(), dtype=int).reshape(2, -1)
+        self.bends = (*self._places[:, first], third)
+        given = ca.vertcat(by, numbers)
+        self.values, self._slopes, self._bent = (
+            Program(given, parts) for parts in ([output], [slope], [bent, slope, output])
+        )
+
+    def slopes(self, low: Floats, high: Floats) -> Interval:
+        """Ends (..., outputs, variables)."""
+        ends = self._slopes(low, high)
+        result = np.zeros((2, *low.shape[:-1], *self.shape))
+        result[:, ..., self._places[0], self._places[1]] = ends
+        return result[0], result[1]
+
+    def second_order(self, low: Floats, high: Floats, sizes: Floats, products: Floats) -> Floats:
+        """Largest second-order sums (K, outputs) beside points within ends, by Taylor's integral.
+
+        Deviations are up to ``sizes`` (K, variables), with ``products`` of two.
+        """
+        outputs, one, two = self.bends
+        result = np.zeros((len(low), self.shape[0]))
+        weights = np.array([2 * (PARTS - k) - 1 for k in range(PARTS)]) / (2 * PARTS**2)
+        share = np.arange(1, PARTS + 1)[:, None] / PARTS * OUT
+        for k in range(0, len(low), AT_ONCE // PARTS):
+            at = slice(k, k + AT_ONCE // PARTS)
+            wide = np.zeros((len(low[at]), PARTS, low.shape[1]))
+            wide[..., : self.size] = share * sizes[at, None]
+            ends = self._bent(*_beside(low[at, None], high[at, None], wide))
+            bent = np.tensordot(weights, most(ends)[..., : len(one)], (0, 1))
+            np.add.at(result[at].T, outputs, (bent * products[at][:, one, two]).T)
+        return result * OUT
+
+    def beside_line(self, points: Floats, slopes: Floats, sizes: Floats) -> Floats:
+        """Largest distances (K, outputs) of the graph's change from ``slopes`` times a deviation.
+
+        From ``points`` (K, all), deviations are up to ``sizes`` (K, variables); the velocity's is
+        cut up, as its friction has no one slope.
+        """
+        result = np.zeros((len(points), self.shape[0]))
+        step = max(1, AT_ONCE // PIECES)
+        for k in range(0, len(points), step):
+            at = slice(k, k + step)
+            here, half = points[at, None], sizes[at, SPEED, None] / PIECES
+            ways = half * np.arange(1 - PIECES, PIECES, 2)
+            there = np.repeat(here, PIECES, axis=1)
+            there[..., SPEED] += ways
+            moved = there[..., SPEED] - here[..., SPEED]
+            wide = np.zeros_like(there)
+            wide[..., : self.size] = sizes[at, None]
+            wide[..., SPEED] = half * (1 + 1e-6)
+            off = [self.values(there, there)[i] - self.values(here, here)[1 - i] for i in (0, 1)]
+            off = [x - slopes[at, None, :, SPEED] * moved[..., None] for x in off]
+            apart = [x - slopes[at, None] for x in self.slopes(*_beside(there, there, wide))]
+            apart = most(apart) @ wide[..., : self.size, None]
+            result[at] = (most(off) + apart[..., 0]).max(axis=1)
+        return result * OUT
+
+
+def each(matrices: Floats, vectors: Floats) -> Floats:
+    """Products of matrices (..., m, n) with vectors (..., n)."""
+    return np.asarray((matrices @ vectors[..., None])[..., 0])
+
+
+def _beside(low: Floats, high: Floats, wide: Floats) -> Interval:
+    """Ends with more on both sides; exactly those where there is none."""
+    ends = np.nextafter(low - wide, -np.inf), np.nextafter(high + wide, np.inf)
+    return np.where(wide > 0, ends[0], low), np.where(wide > 0, ends[1], high)
