@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from wmr_proofs.corridor.midradius import MidRadius
-from wmr_proofs.corridor.motion import Laps, MovingCurve, RunMotion, _chord, laps_of
+from wmr_proofs.corridor.motion import MovingCurve, RunMotion, _chord
 from wmr_proofs.corridor.peaks import reference_gap
 
 LAP, COUNT = 10, 34
@@ -45,45 +45,6 @@ def test_an_arc_is_off_its_sum_by_simpsons_rule_by_no_more_than_is_counted(step)
 
     assert off <= reference_gap(np.array([-v, w]), step) <= 4 * off
     assert off > 1e-14
-
-
-def test_laps_reach_to_the_end_or_to_where_the_robot_changes():
-    """The sample of a change is a lap by itself; what holds before is none of what comes after."""
-    laps, _ = laps_of(motion(), LAP)
-    changed, _ = laps_of(motion(23), LAP)
-
-    assert laps.end.tolist() == [COUNT] * COUNT
-    assert changed.end.tolist() == [23] * 23 + [24] + [COUNT] * (COUNT - 24)
-    assert not laps.spread.any()
-    assert laps_of(motion(), 0)[0].end.tolist() == [0] * COUNT
-
-
-def test_later_laps_count_with_their_largest_difference_and_their_largest_distances():
-    """Whichever of them it is; beyond what rounding explains they are no laps."""
-    one = motion()
-    one.v_d[LAP + 3, 0] += 3e-11
-    one.v_d[2 * LAP + 3, 0] += 1e-11
-    one.gap[LAP + 5], one.aside[2 * LAP + 5], one.reckoned[5] = 3e-6, 2e-6, 1e-6
-    laps, widened = laps_of(one, LAP)
-
-    assert laps.spread[3] == pytest.approx(3e-11, rel=1e-3)
-    assert laps.spread[LAP + 3] == pytest.approx(3e-11, rel=1e-3)  # a lap later still it is as ever
-    assert [widened.gap[5], widened.aside[5], widened.reckoned[5]] == [3e-6, 2e-6, 1e-6]
-    assert [widened.gap[LAP + 5], widened.aside[LAP + 5]] == [3e-6, 2e-6]
-    one.v_d[2 * LAP + 3, 0] += 1e-6
-    laps, _ = laps_of(one, LAP)
-    assert laps.end[[3, LAP + 3]].tolist() == [0, 0]
-    assert laps.end[4] == COUNT
-
-
-@pytest.mark.parametrize("last, stands", [(21, True), (20, False)])
-def test_a_lap_stands_for_others_where_each_of_its_samples_comes_again(last, stands):
-    end = np.full(COUNT, COUNT)
-    end[14] = last
-
-    assert Laps(LAP, end, np.zeros(COUNT)).are_from(10) is stands
-    assert Laps(LAP, end, np.zeros(COUNT)).are_from(15)
-    assert not Laps(0, end, np.zeros(COUNT)).are_from(15)
 
 
 @pytest.mark.parametrize("steep", [lambda s: s**8, lambda s: float(s > 0.95), lambda s: 1.0])

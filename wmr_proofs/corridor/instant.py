@@ -23,7 +23,7 @@ class RunBounds:
     ``position``, ``linear`` [m] and ``heading`` [rad] (n): largest deviations in each sample, the
     second without remainders; ``share`` (n): of the most used condition, ``binding`` (n) its index.
     ``box``: the fast state's rows (n, rows), the state at samples (n + 1, any), command and
-    conditions (n, any).
+    conditions (n, any).  ``checked``: apart from their computation.
     """
 
     position: Floats
@@ -32,6 +32,7 @@ class RunBounds:
     share: Floats
     binding: Floats
     box: tuple[Floats, Floats, Floats]
+    checked: bool = False
 
 
 @dataclass(frozen=True)

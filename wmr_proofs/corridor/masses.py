@@ -23,6 +23,7 @@ from .enclosure import OpenBoxError
 from .inputs import Inputs, NoCorridorError, at_first
 from .loop import BODY
 from .peaks import Tube
+from .stated import checked
 
 Body: TypeAlias = "tuple[float | None, float | None]"
 """Mass and inertia."""
@@ -56,7 +57,8 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
             known = with_inputs(known, inputs, first=not tubes)
             linear = max(linear, certifier.linear_position)
             known = replace(known, linear=linear)
-            tubes.append(_certified_tube(certifier, inputs, closing))
+            tube = _certified_tube(certifier, inputs, closing)
+            tubes.append(checked(certifier, inputs, tube))
     except NoCorridorError as error:
         return replace(
             known, refused=f"{here}{error}", closes=error.closes, near=error.near,

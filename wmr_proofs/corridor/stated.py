@@ -1,13 +1,16 @@
 """Certificates for `wmr_proofs.corridor_check`, made from what the computation found."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT
 from wmr_proofs.corridor_check.certificate import Certificate
-from wmr_proofs.corridor_check.check import check
+from wmr_proofs.corridor_check.check import check, in_the_long_run
 from wmr_proofs.corridor_check.intervals import RefusedError
 
 from .certificate import Certifier
@@ -16,24 +19,47 @@ from .inputs import Inputs, NoCorridorError
 from .instant import RunBounds
 from .loop import SampledLoop
 from .passage import Passing
-from .peaks import Peaks, reference_gap
+from .peaks import Peaks, Tube, reference_gap
 
-ROOM, MORE_ROOM, DUST, LAGS = 1 + 5e-4, 1 + 3e-3, 1e-11, 2
-"""Growth of the box that is stated, also for a whole run, so that the inequality has some room; what
-is added; how many times the samples of a run's memory are told apart."""
+ROOM, MORE_ROOM, DUST, LAGS = 1 + 5e-4, 1 + 3e-3, 1e-11, 1.75
+"""Growth of the box that is stated, and of that of a whole run, so that there is some room; what is
+added; how many times the samples of a run's memory are told apart."""
 KNOTS = 10
 """Places within a sample at which rows are summed up."""
 
 
-def checked(certificate: Certificate) -> tuple[Floats, Floats]:
-    """Distance and turn (K) that the checker shows; NoCorridorError if it refuses."""
+@contextmanager
+def refused_unchecked() -> Iterator[None]:
+    """Context that raises NoCorridorError with a text if the checker refuses."""
     try:
-        return check(certificate)
+        yield
     except RefusedError as error:
         raise NoCorridorError(
             f"the bounds that were computed do not pass their check ({error}), so no width is "
-            "stated. This is a fault of the computation: please report it with the scenario"
+            "stated; this is a fault of the computation, please report it with the scenario"
         ) from error
+
+
+def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
+    """The tube, as wide as the checker shows at least; NoCorridorError if it does not."""
+    stated = of_loop(certifier, inputs, tube.peaks)
+    with refused_unchecked():
+        distance, turn = (float(course[0]) for course in check(stated))
+        late = distance if tube.position_late == tube.position else in_the_long_run(stated)
+    return replace(
+        tube, position=max(tube.position, distance), heading=max(tube.heading, turn),
+        position_late=max(tube.position_late, late),
+    )  # fmt: skip
+
+
+def checked_run(passing: Passing, bounds: RunBounds) -> RunBounds:
+    """The same of a whole run, unless its robot stops or turns round."""
+    if passing.secants:
+        return bounds
+    with refused_unchecked():
+        position, heading = check(of_run(passing, bounds))
+    position, heading = np.maximum(bounds.position, position), np.maximum(bounds.heading, heading)
+    return replace(bounds, position=position, heading=heading, checked=True)
 
 
 def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
@@ -69,7 +95,7 @@ def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
         pairs=PAIRS, ratios=certifier.gains.ratios,
         fast=peaks.fast[None, : nz + DIRECTIONS + 2 * len(PAIRS)],
         state=np.tile(peaks.state, (2, 1)), out=np.concatenate([peaks.law[:COMMAND], free])[None],
-        knots=list(range(0, steps, max(1, steps // KNOTS))), lags=0, lines=None,
+        knots=list(range(0, steps, max(1, steps // KNOTS))), lags=0,
         **_known(loop, inputs),
     )  # fmt: skip
 
@@ -94,21 +120,9 @@ def of_run(passing: Passing, bounds: RunBounds) -> Certificate:
         step_gap=np.zeros(nz), gap=gap, aside=np.stack([motion.aside, motion.turned], axis=1),
         start=np.diag(passing.begun), disc=(0.0, 0), lower=np.zeros(loop.count),
         pairs=along.pairs, ratios=along.ratios, fast=fast, state=state, out=out,
-        knots=along.knots, lags=LAGS * along.memory, lines=_lines(passing),
+        knots=along.knots, lags=int(LAGS * along.memory),
         **_known(loop, passing.inputs),
     )  # fmt: skip
-
-
-def _lines(passing: Passing) -> tuple[Floats, Floats, Floats] | None:
-    """Samples that secants were used in, and the slopes of law and plant step."""
-    own, slopes = np.zeros(len(passing.along.fine), dtype=bool), ([], [])
-    for now in passing.lines:
-        assert now.here.secants is not None
-        own[now.k : now.k + now.count] = True
-        for part, item in zip(slopes, now.here.secants, strict=True):
-            part.append(item.slopes.middle[now.block.at])
-    law, step = (np.concatenate(part) for part in slopes) if passing.lines else (None, None)
-    return (own, law, step) if passing.lines else None
 
 
 def _known(loop: SampledLoop, inputs: Inputs) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from .masses import (
 )
 from .overlap import ramps
 from .passage import Passing
+from .stated import checked_run
 
 OPEN = "the undisturbed loop cannot be followed"
 BY_START = "; corridor.start alone is too large for it, also without pushes and errors"
@@ -98,6 +99,7 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         share=float(passage.share[worst]),
         masses=mass_ranges(setup) if cells[0][1].any() else None,
         anew=any(map(changes_body, scenario.changes)),
+        checked=all(item.checked for item in every),
     )
 
 
@@ -111,7 +113,7 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
         along = Along(setup)
     passing = Passing(along, inputs, start)
     try:
-        return along, _followed(passing)
+        bounds = _followed(passing)
     except NoCorridorError as error:
         early = start.any() and passing.tried <= along.memory
         if early and not _passes(along, inputs.scaled(0.0), start, passing.tried):
@@ -120,6 +122,7 @@ def _passed(setup: Setup, inputs: Inputs, closing: bool) -> tuple[Along, RunBoun
         none = f"; nor is there one with 1/{2**LEAST} of pushes and errors"
         tried = closing and closes is None and inputs.any
         raise NoCorridorError(f"{error}{none * tried}", closes) from error
+    return along, checked_run(passing, bounds)
 
 
 def _followed(passing: Passing, until: int | None = None) -> RunBounds:

@@ -33,7 +33,7 @@ class Certificate:
     ``ratios``; ``state`` (K + 1, n) at samples; ``out`` (K, any) of command and conditions.
 
     ``knots``: plant steps at which rows are summed up; ``lags``: samples for which inputs are told
-    apart.  ``lines``: samples with slopes of their own, and those of law and step; None: gradients.
+    apart.
     """
 
     law: ca.Function
@@ -72,4 +72,3 @@ class Certificate:
     out: Floats
     knots: list[int]
     lags: int
-    lines: tuple[Floats, Floats, Floats] | None

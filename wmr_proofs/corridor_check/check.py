@@ -8,7 +8,7 @@ more input, and so is what matrices may be off.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, pi, sin
 
 import numpy as np
@@ -21,8 +21,9 @@ ROBOT, COMMAND = 5, 2
 UNIT, LONGEST, LEFT, DUST = 2.0**-45, 40_000, 1e-8, 1e-12
 """Share by which a sum of 150 products errs at most; most samples of a standing loop, and the share
 of a deviation at which its sums end, beside a size below all that matters."""
-TERMS = 800_000
-"""Most terms of a sum."""
+TERMS, ALONE, ROUNDS = 800_000, 2**17, 3
+"""Most terms of a sum; products of numbers for which BLAS starts no threads; rounds by which the
+long run's box comes down."""
 
 
 def check(c: Certificate) -> tuple[Floats, Floats]:
@@ -31,23 +32,45 @@ def check(c: Certificate) -> tuple[Floats, Floats]:
     RefusedError if it is not shown that no deviation exceeds them.
     """
     sizes = [c.fast, c.state, c.out, c.push, c.reckoned, c.velocity, c.wide, c.command, c.dead,
-             c.gap, c.law_gap, c.step_gap, c.aside, c.lower, np.array([c.pose, c.disc[0]])]  # fmt: skip
+             c.gap, c.law_gap, c.step_gap, c.aside, c.lower, np.array([c.pose, c.disc[0]]),
+             ]  # fmt: skip
     if not all(np.isfinite(part).all() and (part >= 0).all() for part in sizes):
         raise RefusedError("a size is negative or no number")
     course = _Course(c)
-    sample = _Sample(c, course, _Linear(c, course))
-    fast, state, out = _gathered(c, sample, (_run if c.lags else _standing)(c, sample))
+    fast, state, out = _reached(c, course)
     parts = (fast, c.fast, "fast state"), (state, c.state, "state"), (out, c.out, "law's output")
     for found, claimed, name in parts:
         if not (found <= claimed).all():
             k, i = np.unravel_index(np.argmax(found / np.maximum(claimed, 1e-300)), found.shape)
             reach = f"{found[k, i]:.6g} of {claimed[k, i]:.6g}"
             raise RefusedError(f"{name} {i + 1} reaches {reach} in sample {k}")
+    turn = np.abs(c.fine[:, :, 2]).max(axis=1) + fast[:, 2] + c.aside[:, 1]
+    return _distance(c, course, fast), turn * OUT
+
+
+def in_the_long_run(c: Certificate) -> float:
+    """Distance [m] of a standing loop, of whose box `check` has shown that it is not left.
+
+    What its begin adds decays, so it comes into the box of all else, and so on.
+    """
+    c, course = replace(c, start=0.0 * c.start, disc=(0.0, c.disc[1])), _Course(c)
+    for _ in range(ROUNDS):
+        parts = zip(_reached(c, course), (c.fast, c.state, c.out), strict=True)
+        fast, state, out = (np.minimum(found, before) for found, before in parts)
+        c = replace(c, fast=fast, state=state, out=out)
+    return float(_distance(c, course, c.fast)[0])
+
+
+def _reached(c: Certificate, course: _Course) -> tuple[Floats, Floats, Floats]:
+    """Largest fast state, state and outputs, while all is within the box."""
+    sample = _Sample(c, course, _Linear(c, course))
+    return _gathered(c, sample, (_run if c.lags else _standing)(c, sample))
+
+
+def _distance(c: Certificate, course: _Course, fast: Floats) -> Floats:
     ways = slice(course.nz, fast.shape[1] - 2 * len(c.pairs))
     off = np.abs(c.fine[:, :, :2] @ course.rows[ways, :2].T).max(axis=1) + fast[:, ways]
-    distance = off.max(axis=1) / cos(pi / (2 * off.shape[1])) + c.aside[:, 0]
-    turn = np.abs(c.fine[:, :, 2]).max(axis=1) + fast[:, 2] + c.aside[:, 1]
-    return distance * OUT, turn * OUT
+    return (off.max(axis=1) / cos(pi / (2 * off.shape[1])) + c.aside[:, 0]) * OUT
 
 
 class _Course:
@@ -138,22 +161,10 @@ class _Linear:
         error = np.array([*place, c.reckoned[2], *c.velocity])
         low, high, box = moved.min(axis=1), moved.max(axis=1), _boxes(c, course, error)
         by_law, by_step = law.slopes(seen, seen), step.slopes(low, high)
-        own = np.zeros(K, dtype=bool)
-        if c.lines is not None:
-            own, *slopes = c.lines
-            for ends, stated in zip((by_law, by_step), slopes, strict=True):
-                for end in ends:
-                    end[own] = stated
         (self.by_law, law_off), (self.by_step, step_off) = map(_middle, (by_law, by_step))
         off, more = each(law_off, box.seen), each(step_off, box.moved)
-        at = np.flatnonzero(~own)
-        off[at] += law.second_order(seen[at], seen[at], box.seen[at], box.by_seen[at])
-        more[at] += step.second_order(low[at], high[at], box.moved[at], box.by_moved[at])
-        if own.any():
-            off[own] += law.beside_line(seen[own], self.by_law[own], box.seen[own])
-            for s in range(course.steps):
-                beside = step.beside_line(moved[own, s], self.by_step[own], box.moved[own])
-                more[own] = np.maximum(more[own], beside)
+        off += law.second_order(seen, seen, box.seen, box.by_seen)
+        more += step.second_order(low, high, box.moved, box.by_moved)
 
         off[:, :outs] += most([end[:, :outs] - c.outs for end in shown]) + c.law_gap
         acts = np.abs(c.outs[:, :COMMAND]) - c.out[:, :COMMAND] - c.command > c.dead
@@ -180,10 +191,10 @@ class _Sample:
     """Matrices of K samples by the state at their begin and by inputs.
 
     Inputs: command's error, push, late commands, measured errors, a constant. ``next`` (K, n, any):
-    the state a sample later; ``box`` (K, n): what else is added to it.  ``rows`` (K, any, any): fast
-    state's rows, the rest of the state, fast state's rows at other knots, command and conditions;
-    ``apart`` (knots; K, rows): how far off rows are at a knot, and beside two until the next one, if
-    anything is between; ``direct``: errors of command and conditions.
+    the state a sample later; ``box`` (K, n): what else is added to it.  ``rows`` (K, any, any):
+    fast state's rows, the rest of the state, fast state's rows at other knots, command and
+    conditions; ``apart`` (knots; K, rows): how far off rows are at a knot, and beside two until the
+    next one, if anything is between; ``direct``: errors of command and conditions.
     """
 
     def __init__(self, c: Certificate, course: _Course, linear: _Linear) -> None:
@@ -235,9 +246,9 @@ class _Sample:
 
 
 class _Answers:
-    """Answers of the state to inputs of some samples: ``columns`` (n, m, samples), ``weights``.
+    """Answers of the state to inputs of some samples: ``columns`` (m, n, samples), ``weights``.
 
-    Of the m, those of inputs are followed by a disc's pair, and by one for each number of the state.
+    Of the m, those of inputs are followed by a disc's pair, and by one for each of the state.
     """
 
     def __init__(self, c: Certificate, sample: _Sample, count: int) -> None:
@@ -250,23 +261,27 @@ class _Answers:
         self.discs, m = [self.n + disc, self.n + disc + 1], len(used) + COMMAND + self.n
         if m * count > TERMS:
             raise RefusedError("its loop forgets too slowly")
-        self.columns, self.weights = np.zeros((self.n, m, count)), np.zeros((m, count))
+        self.columns, self.weights = np.zeros((m, self.n, count)), np.zeros((m, count))
 
     def put(self, place: int, k: int) -> None:
         """Begin with what sample ``k`` adds."""
         here = self.sample.next[k]
         own = here[:, self.kept], here[:, self.discs], np.eye(self.n)
-        self.columns[:, :, place] = np.concatenate(own, axis=1)
+        self.columns[:, :, place] = np.concatenate(own, axis=1).T
         self.weights[: self.pair, place] = self.weights_of[k]
         self.weights[-self.n :, place] = self.sample.box[k]
 
     def reach(self, rows: Floats, k: int, state: Floats) -> Floats:
-        """Largest values of rows of the state and of the inputs of sample ``k``, without a start."""
-        seen = rows[:, : self.n] @ self.columns.reshape(self.n, -1)
-        pair = seen.reshape(len(rows), *self.weights.shape)[:, self.pair : -self.n]
-        disc = np.hypot(pair[:, 0], pair[:, 1]).sum(axis=1) + np.hypot(*rows[:, self.discs].T)
-        total = np.abs(seen) @ self.weights.ravel() + disc * self.pose
-        total += np.abs(rows[:, self.kept]) @ self.weights_of[k]
+        """Largest values of rows of the state and of a sample's inputs, without a start."""
+        total = np.abs(rows[:, self.kept]) @ self.weights_of[k]
+        total += np.hypot(*rows[:, self.discs].T) * self.pose
+        width = max(1, ALONE // rows[:, : self.n].size)
+        for first in range(0, self.columns.shape[2], width):
+            part = slice(first, first + width)
+            seen = np.abs(rows[:, : self.n] @ self.columns[..., part])
+            total += (seen @ self.weights[:, part, None]).sum(axis=0)[:, 0]
+            if self.pose:
+                total += np.hypot(*seen[self.pair : -self.n]).sum(axis=1) * self.pose
         return np.asarray((total + UNIT * np.abs(rows[:, : self.n]) @ state) * OUT)
 
 
@@ -296,14 +311,13 @@ def _run(c: Certificate, sample: _Sample) -> Floats:
         if k == K:
             break
         A, oldest = sample.next[k, :, :n], (k + 1) % count
-        columns = A @ answers.columns.reshape(n, -1)
-        answers.columns, begun = columns.reshape(answers.columns.shape), A @ begun
-        held = np.einsum("ijk,jk->ik", np.abs(answers.columns[:, -n:]), far).max(axis=1)
+        answers.columns, begun = A @ answers.columns, A @ begun
+        held = (np.abs(answers.columns[-n:]) * far[:, None]).sum(axis=0).max(axis=1)
         sample.box[k] += UNIT * np.abs(A) @ (c.state[k] + held) * OUT
         answers.put(k % count, k)
         far[:, k % count] = c.state[k + 1]
         if k + 1 >= count:  # what its oldest sample ended in is within the box there
-            answers.columns[:, :-n, oldest] = 0.0
+            answers.columns[:-n, :, oldest] = 0.0
             answers.weights[-n:, oldest] = far[:, oldest]
     return np.array(reached)
 
@@ -313,7 +327,7 @@ def _standing(c: Certificate, sample: _Sample) -> Floats:
     n, rows, state = sample.n, sample.rows[0], c.state[0]
     (answers := _Answers(c, sample, 1)).put(0, 0)
     A, m = sample.next[0, :, :n], len(answers.weights)
-    course = [np.hstack([answers.columns[..., 0], _begun(c), sample.next[0, :, -1:]])]
+    course = [np.hstack([answers.columns[..., 0].T, _begun(c), sample.next[0, :, -1:]])]
     while (np.abs(course[-1][:, m - n : m]) @ state > LEFT * (state + DUST)).any():
         course.append(A @ course[-1])
         if len(course) > LONGEST or not np.abs(course[-1]).max() < 1e9:
@@ -325,7 +339,7 @@ def _standing(c: Certificate, sample: _Sample) -> Floats:
     answers = _Answers(c, sample, len(ways) - 1)
     for k in range(len(ways) - 1):
         answers.put(k, 0)
-    answers.columns = ways[:-1, :, :m].transpose(1, 2, 0)
+    answers.columns = ways[:-1, :, :m].transpose(2, 1, 0)
     seen = rows[:, :n] @ ways
     left = np.abs(seen[-1, :, m - n : m]) @ state
     begun = np.maximum(_started(seen[..., m:-1]).max(axis=0), left)

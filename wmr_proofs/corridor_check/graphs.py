@@ -7,11 +7,9 @@ import numpy as np
 
 from .intervals import Floats, Interval, Program, most
 
-OUT, PARTS, PIECES, AT_ONCE = 1 + 1e-10, 8, 24, 4000
-"""Growth for sums of up to 800,000 rounded terms, all >= 0; parts of the way to a deviation, pieces
-of a velocity's, and places that are evaluated at once."""
-SPEED = 3
-"""Place of the velocity, by which friction changes its sign."""
+OUT, PARTS, AT_ONCE = 1 + 1e-10, 8, 4000
+"""Growth for sums of up to 800,000 rounded terms, all >= 0; parts of the way to a deviation; places
+that are evaluated at once."""
 
 
 class Graph:
@@ -54,31 +52,6 @@ class Graph:
             ends = self._bent(*_beside(low[at, None], high[at, None], wide))
             bent = np.tensordot(weights, most(ends)[..., : len(one)], (0, 1))
             np.add.at(result[at].T, outputs, (bent * products[at][:, one, two]).T)
-        return result * OUT
-
-    def beside_line(self, points: Floats, slopes: Floats, sizes: Floats) -> Floats:
-        """Largest distances (K, outputs) of the graph's change from ``slopes`` times a deviation.
-
-        From ``points`` (K, all), deviations are up to ``sizes`` (K, variables); the velocity's is
-        cut up, as its friction has no one slope.
-        """
-        result = np.zeros((len(points), self.shape[0]))
-        step = max(1, AT_ONCE // PIECES)
-        for k in range(0, len(points), step):
-            at = slice(k, k + step)
-            here, half = points[at, None], sizes[at, SPEED, None] / PIECES
-            ways = half * np.arange(1 - PIECES, PIECES, 2)
-            there = np.repeat(here, PIECES, axis=1)
-            there[..., SPEED] += ways
-            moved = there[..., SPEED] - here[..., SPEED]
-            wide = np.zeros_like(there)
-            wide[..., : self.size] = sizes[at, None]
-            wide[..., SPEED] = half * (1 + 1e-6)
-            off = [self.values(there, there)[i] - self.values(here, here)[1 - i] for i in (0, 1)]
-            off = [x - slopes[at, None, :, SPEED] * moved[..., None] for x in off]
-            apart = [x - slopes[at, None] for x in self.slopes(*_beside(there, there, wide))]
-            apart = most(apart) @ wide[..., : self.size, None]
-            result[at] = (most(off) + apart[..., 0]).max(axis=1)
         return result * OUT
 
 

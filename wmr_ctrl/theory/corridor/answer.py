@@ -41,7 +41,8 @@ class Corridor:
     duration of the run that it is valid for, with all changes in it; else for ever. ``whole``: the
     corridor of the whole run, if it was requested, and this one ends at a change of the robot or
     excludes initial contents of drives. ``clearance``: distance left to the scenario's obstacles,
-    None without any.  ``course`` (2, n): of a run, position and heading in each sample.
+    None without any.
+    ``checked``: it was, apart from its computation.  ``course`` (2, n): of a run, position and heading in each sample.
     """
 
     law: str
@@ -68,6 +69,7 @@ class Corridor:
     anew: bool = False
     missing: int = 0
     whole: Corridor | None = None
+    checked: bool = True
     course: Floats | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -101,7 +103,8 @@ class Corridor:
         return (
             f"corridor: within {self._off} and {self._turned} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
-            f"{self._mass}{lasts}; no limit and no guard acts there (most used: {self._used})"
+            f"{self._mass}{lasts}; no limit and no guard acts there (most used: {self._used}"
+            f"{self._unchecked})"
         )
 
     @property
@@ -113,12 +116,16 @@ class Corridor:
         return (
             f"; {idle}within {self._off} and {self._turned} rad over the whole "
             f"run of {self.run:g} s, where no limit and no guard acts either (most used: "
-            f"{self._used})"
+            f"{self._used}{self._unchecked})"
         )
 
     @property
     def _used(self) -> str:
         return f"{self.binding}, {100 * (self.share or 0.0):.0f} %"
+
+    @property
+    def _unchecked(self) -> str:
+        return "" if self.checked else "; computed, but not checked apart, as the robot may stop"
 
     @property
     def _off(self) -> str:
@@ -185,7 +192,8 @@ class Corridor:
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
             "missing": self.missing, "mass": self.mass, "masses": self.masses,
             "until": self.until, "clearance": clearance,
-            "run": self.run, "whole": None if self.whole is None else self.whole.figures,
+            "run": self.run, "checked": self.checked,
+            "whole": None if self.whole is None else self.whole.figures,
         }  # fmt: skip
 
 

@@ -1,0 +1,275 @@
+"""The checker, which shares no code with the computation, accepts what that states, and nothing
+that is stated too small."""
+
+from dataclasses import fields, replace
+
+import casadi as ca
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from tests.papers_robot import safe
+from tests.tables import cases
+from wmr_ctrl.control.setup import settle
+from wmr_ctrl.theory.corridor import find_corridor
+from wmr_ctrl.world.scenario import load_scenario
+from wmr_proofs.corridor import stated, whole
+from wmr_proofs.corridor.along import Along
+from wmr_proofs.corridor.certificate import Certifier
+from wmr_proofs.corridor.following import Following
+from wmr_proofs.corridor.inputs import NoCorridorError, bounded_inputs
+from wmr_proofs.corridor.passage import Passing
+from wmr_proofs.corridor_check import check as checker
+from wmr_proofs.corridor_check.certificate import Certificate
+from wmr_proofs.corridor_check.check import check, in_the_long_run
+from wmr_proofs.corridor_check.intervals import RULES, RefusedError
+
+FREE = {"guard.enabled": False}
+NOISY = {**FREE, "sensor.velocity_noise": [0.002, 0.004]}
+CASES = {
+    "prox": ("safe-simulation", "prox", {}),
+    "mb": ("safe-simulation", "mb", {}),
+    "an observer, velocities with noise": ("safe-simulation", "kanayama", NOISY),
+    "a base with a dead band": ("irobot-create3", "kanayama", {}),
+    "a start": ("safe-simulation", "prox", {"corridor.start": [0.002, 0.002, 0.02]}),
+    "jitter": ("safe-simulation", "prox", {**FREE, "actuator.jitter": 0.003}),
+    "a lag": ("safe-simulation", "prox", {**FREE, "actuator.lag": 0.01}),
+    "late commands behind the guard": ("safe-simulation", "prox", {"actuator.delay": 0.02}),
+    "rare poses": ("safe-simulation", "prox", {"sensor.pose_period": 0.05}),
+    "another friction": ("far-start-friction-overestimated", "kanayama", {}),
+    "estimated poses": ("safe-simulation", "mb", {"sensor.correction": 0.4,
+                                                  "sensor.pose_noise": 1e-5}),
+}  # fmt: skip
+DEFAULT = "mb", "an observer, velocities with noise", "jitter"
+
+
+def certifier_of(case):
+    preset, law, changes = CASES[case]
+    return Certifier(settle(load_scenario(preset, changes), law))
+
+
+def standing(changes):
+    certifier = Certifier(settle(load_scenario("safe-simulation", changes), "prox"))
+    return stated.of_loop(certifier, certifier.inputs, certifier.tube(certifier.inputs).peaks)
+
+
+@pytest.fixture(scope="module")
+def circle():
+    """Certificate with a start, poses and velocities with errors, and jitter."""
+    return standing({
+        **FREE, "actuator.jitter": 0.002, "corridor.start": [1e-4, 1e-4, 1e-3],
+        "sensor.pose_noise": 1e-5, "sensor.velocity_noise": [1e-4, 2e-4],
+    })  # fmt: skip
+
+
+def passed(told, law="mb"):
+    setup = settle(safe("reference.kind = lemniscate; clock.duration = 1.5", told), law)
+    passing = Passing(Along(setup), bounded_inputs(setup), np.array(setup.scenario.corridor.start))
+    return passing, passing.run()
+
+
+@pytest.fixture(scope="module")
+def eight():
+    """Certificate of a run on an eight, with a change of the robot, a start and wrong poses."""
+    return stated.of_run(*passed({
+        "changes": [{"t": 0.505, "m": 60.0}], "corridor.start": [1e-4, 1e-4, 1e-3],
+        "sensor.pose_noise": 1e-5, "sensor.velocity_noise": [1e-4, 2e-4],
+    }))  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.slow_but(*DEFAULT)
+def test_checker_finds_the_width_that_the_computation_states(case):
+    certifier = certifier_of(case)
+    tube = certifier.tube(certifier.inputs)
+    written = stated.of_loop(certifier, certifier.inputs, tube.peaks)
+    position, heading = (float(item[0]) for item in check(written))
+
+    assert 0.97 * tube.position < position < 1.001 * tube.position
+    assert 0.97 * tube.heading < heading < 1.001 * tube.heading
+    late = tube.position_late
+    assert 0.97 * late < in_the_long_run(written) < 1.01 * late
+    shown = stated.checked(certifier, certifier.inputs, tube)
+    assert tube.position <= shown.position >= position
+
+
+WAYS = cases("""
+    torques         | prox     | disturbance.std = 0.5
+    observer, noise | kanayama | sensor.velocity_noise = [1e-3, 2e-3]; guard.enabled = false
+    a long period   | mb       | clock.control = 0.04; disturbance.std = 0.3; guard.trust = true
+""")
+
+
+@pytest.mark.parametrize("name, law, told", WAYS, ids=[row[0] for row in WAYS])
+def test_checker_finds_the_width_of_a_whole_run(name, law, told):
+    passing, bounds = passed(told, law)
+    position, heading = check(stated.of_run(passing, bounds))
+
+    assert (position < 1.003 * bounds.position).all()
+    assert (heading < 1.003 * bounds.heading + 1e-9).all()
+    assert position.max() > 0.93 * bounds.position.max()
+    assert stated.checked_run(passing, bounds).checked
+
+
+@pytest.mark.parametrize("name", ["fast", "state", "out"])
+def test_no_size_of_the_box_may_be_smaller(circle, eight, name):
+    for written, step in ((circle, 5), (eight, 400)):
+        box = getattr(written, name)
+        rows = np.argwhere(box > 1e-9)[::step]
+        for k, i in rows if written is eight else rows[rows[:, 0] == 0]:
+            less = box.copy()
+            less[k:, i] *= 0.9
+            if written is circle:
+                less[:] = less[0]
+            with pytest.raises(RefusedError, match="reaches"):
+                check(replace(written, **{name: less}))
+
+
+LARGER = {
+    "push": 0.1, "pose": 1e-5, "velocity": 1e-4, "reckoned": 1e-4, "wide": 1.0, "command": 0.1,
+    "dead": 100.0, "start": 1e-4, "law_gap": 0.1, "step_gap": 1e-4, "gap": 1e-4, "off": 0.1,
+}  # fmt: skip
+"""What is added to each input."""
+
+
+@pytest.mark.parametrize("name", LARGER)
+def test_no_input_may_be_larger_than_what_the_box_is_for(circle, eight, name):
+    for written in (circle, *[eight] * (name != "off")):
+        with pytest.raises(RefusedError):
+            check(replace(written, **{name: getattr(written, name) + LARGER[name]}))
+
+
+def test_what_a_run_is_aside_counts(eight):
+    assert check(replace(eight, aside=eight.aside + 1e-3))[0] == pytest.approx(
+        check(eight)[0] + 1e-3
+    )
+    assert check(replace(eight, aside=eight.aside + 1e-3))[1] == pytest.approx(
+        check(eight)[1] + 1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    "name", ["push", "velocity", "reckoned", "wide", "command", "dead", "fast", "aside"]
+)
+def test_a_size_of_the_other_sign_is_refused(circle, name):
+    with pytest.raises(RefusedError, match="negative"):
+        check(replace(circle, **{name: -getattr(circle, name) - 1e-9}))
+
+
+def scaled(graph, share, rows):
+    """The graph with the deviations of some outputs from its values there multiplied."""
+    by = [ca.SX.sym("by", graph.numel_in(k)) for k in (0, 1)]
+    output = ca.densify(graph(*by))
+    output[rows] = share * output[rows]
+    return ca.Function("graph", by, [output])
+
+
+@pytest.mark.parametrize(
+    "name, row, share",
+    [("law", 0, -1.0), ("law", 1, 0.9), *(("step", row, 1.01) for row in range(5))],
+)
+def test_the_box_of_another_law_or_robot_is_refused(circle, eight, name, row, share):
+    for written in (circle, eight):
+        with pytest.raises(RefusedError):
+            check(replace(written, **{name: scaled(getattr(written, name), share, row)}))
+
+
+def test_no_limit_may_act_on_the_box(circle, eight):
+    for written in (circle, eight):
+        for k in range(written.sizes.numel_out(0)):
+            with pytest.raises(RefusedError, match="limit"):
+                check(replace(written, sizes=scaled(written.sizes, -1.0, k)))
+        with pytest.raises(RefusedError, match="limit"):
+            check(replace(written, lower=written.lower + 1e6))
+
+
+def test_another_delay_other_pairs_or_another_course_are_refused(circle, eight):
+    changes = [{"late": 5}, {"ratios": np.full(10, 5.0)}]
+    wrong = [replace(circle, **change) for change in changes]
+    for name, place in (("states", (60, 1)), ("fine", (60, 3, 1)), ("outs", (60, 0))):
+        moved = getattr(eight, name).copy()
+        moved[place] += 1e-3
+        wrong.append(replace(eight, **{name: moved}))
+    wrong += [replace(eight, body=eight.body[:1] + 0 * eight.body), replace(eight, lags=20)]
+    for written in wrong:
+        with pytest.raises(RefusedError):
+            check(written)
+
+
+def test_every_part_of_a_certificate_is_altered_here():
+    """Apart from numbers of columns, and points around which the graphs are expanded."""
+    altered = {*LARGER, "fast", "state", "out", "law", "step", "sizes", "lower", "late", "ratios",
+               "states", "fine", "outs", "body", "aside", "lags"}  # fmt: skip
+    sizes = {"queue", "memory", "acting", "share", "knots", "pairs", "disc"}
+    numbers = {"law_numbers", "step_numbers"}
+
+    assert {item.name for item in fields(Certificate)} == altered | sizes | numbers
+
+
+ALTERED = {
+    "_remainders": lambda given: tuple(0.9 * part for part in given),
+    "_changes": lambda given: 0.9 * given,
+    "_given": lambda given: 0.99 * given,
+}
+"""Results of the computation's steps, made too small."""
+
+
+@pytest.mark.parametrize("name", ALTERED)
+def test_a_computation_that_forgets_something_states_what_is_refused(name, monkeypatch):
+    right = getattr(Certifier, name)
+    monkeypatch.setattr(Certifier, name, lambda *given: ALTERED[name](right(*given)))
+    certifier = certifier_of("jitter")
+    tube = certifier.tube(certifier.inputs)
+    with pytest.raises(NoCorridorError, match="do not pass their check"):
+        stated.checked(certifier, certifier.inputs, tube)
+
+
+def test_a_run_whose_bounds_forget_something_has_no_width(monkeypatch):
+    right = Following._law_added
+    monkeypatch.setattr(Following, "_law_added", lambda *given: 0.2 * right(*given))
+    tube = find_corridor(
+        safe("reference.kind = lemniscate; clock.duration = 1.0"), "mb", whole=True
+    )
+
+    assert tube.position is None
+    assert "do not pass their check (" in tube.refused
+    assert "please report it" in tube.sentence
+
+
+def test_smaller_inputs_have_a_smaller_box(circle):
+    assert check(replace(circle, push=0.5 * circle.push))[0] < 0.9 * check(circle)[0]
+
+
+def test_a_robot_that_stops_is_said_to_be_unchecked():
+    told = """reference.kind = stop-and-go; reference.radius = 2.0; reference.period = 4.0; changes = [];
+              reference.speed = 0.2; clock.control = 0.02; clock.duration = 2.2; robot.mu = 0.02;
+              disturbance.std = 0.1"""
+    tube = whole.certified_run(settle(safe(told), "prox"))
+
+    assert not tube.checked
+    assert "not checked apart, as the robot may stop" in tube.sentence
+
+
+@pytest.mark.parametrize(
+    "op, exact, most",
+    [(ca.OP_SIN, arb.sin, 0.6), (ca.OP_COS, arb.cos, 0.6), (ca.OP_EXP, arb.exp, 50.0),
+     (ca.OP_TANH, arb.tanh, 25.0), (ca.OP_EXPM1, arb.expm1, 1.0), (ca.OP_SIN, arb.sin, 3.0),
+     (ca.OP_INV, lambda x: 1 / x, 2.0), (ca.OP_SQ, lambda x: x * x, 2.0)],
+)  # fmt: skip
+@pytest.mark.parametrize("wide", [0.0, 1e-6, 0.05])
+def test_intervals_hold_what_balls_of_high_precision_say(op, exact, most, wide):
+    x = np.random.default_rng(1).uniform(-most, most, 100) * (1 - wide)
+    x = x[np.abs(x) > 0.2 * most] if op == ca.OP_INV else x
+    low, high = RULES[op]((x - wide * most, x + wide * most))
+    with ctx.workprec(200):
+        for share in (-1.0, 0.3, 1.0):
+            for k, point in enumerate((x + share * wide * most).tolist()):
+                assert arb(low[k]) <= exact(arb(point)) <= arb(high[k])
+    assert wide > 0 or (high - low <= 2e-13 * np.abs(high) + 1e-300).all()
+
+
+def test_what_a_tiny_rounding_leaves_counts(circle, eight, monkeypatch):
+    monkeypatch.setattr(checker, "UNIT", 1e-3)
+    for written in (circle, eight):
+        with pytest.raises(RefusedError):
+            check(written)
