@@ -100,7 +100,7 @@ WAYS = cases("""
 """)
 
 
-@pytest.mark.parametrize("name, law, told", WAYS, ids=[row[0] for row in WAYS])
+@pytest.mark.parametrize("name, law, told", WAYS)
 def test_checker_finds_the_width_of_a_whole_run(name, law, told):
     passing, bounds = passed(told, law)
     position, heading = check(stated.of_run(passing, bounds))
@@ -241,9 +241,9 @@ def test_smaller_inputs_have_a_smaller_box(circle):
 
 
 def test_a_robot_that_stops_is_said_to_be_unchecked():
-    told = """reference.kind = stop-and-go; reference.radius = 2.0; reference.period = 4.0; changes = [];
-              reference.speed = 0.2; clock.control = 0.02; clock.duration = 2.2; robot.mu = 0.02;
-              disturbance.std = 0.1"""
+    told = """reference.kind = stop-and-go; reference.radius = 2.0; reference.period = 4.0;
+              changes = []; reference.speed = 0.2; clock.control = 0.02; clock.duration = 2.2;
+              robot.mu = 0.02; disturbance.std = 0.1"""
     tube = whole.certified_run(settle(safe(told), "prox"))
 
     assert not tube.checked
