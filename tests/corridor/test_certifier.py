@@ -17,7 +17,7 @@ from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.gains import DIRECTIONS, PAIRS
 from wmr_proofs.corridor.inputs import Inputs, NoCorridorError, at_first, bounded_inputs
 from wmr_proofs.corridor.masses import _with_robots
-from wmr_proofs.corridor.peaks import Peaks, reference_gap
+from wmr_proofs.corridor.peaks import Peaks
 from wmr_proofs.corridor.reckoning import Reckoning
 
 NOISE = np.array([0.002, 0.004])
@@ -62,46 +62,6 @@ def test_inputs_are_as_large_as_the_scenario_says():
     assert inputs.dead.tolist() == [0.02, 0.03]
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 2 / DIRECTIONS, 2.9])
-def test_a_distance_is_not_below_that_of_the_point_farthest_from_all_directions(certifier, angle):
-    place = 0.7 * np.array([np.cos(angle), np.sin(angle), 0.0, 0.0, 0.0])
-    found = certifier.position(peaks_of(certifier, place))
-
-    assert 0.7 <= found <= 0.7 / np.cos(np.pi / 2 / DIRECTIONS) * (1 + 1e-9)
-
-
-@pytest.mark.parametrize("signs", [(1, 1, 1, 1, 1), (1, -1, 1, 1, -1)])
-def test_products_are_not_below_those_of_what_is_so_far_off_and_measured_amiss(certifier, signs):
-    """Of two deviations that just meet the bound on their sum, too."""
-    one = copy(certifier)
-    one.loop = copy(certifier.loop)
-    one.loop.step = one.loop.law = SimpleNamespace(remainders=lambda products: products)
-    inputs = Inputs(np.zeros(2), 0.01, NOISE)
-    for (a, b), ratio in zip(PAIRS, certifier.gains.ratios, strict=True):
-        e = np.zeros(5)
-        e[a], e[b] = ratio * 0.1, 0.1
-        e *= signs
-        step, law = one._remainders(inputs, peaks_of(certifier, e))
-        seen = np.abs(e) + inputs.measured
-
-        assert (step[:5, :5] >= np.abs(np.outer(e, e)) * (1 - 1e-12)).all()
-        assert (law[:5, :5] >= np.outer(seen, seen) * (1 - 1e-12)).all()
-        assert law == pytest.approx(law.T, rel=1e-12)
-
-
-def test_what_linear_steps_leave_out_adds_to_what_is_off_without_it(certifier):
-    """Of a plant step and of the law, both."""
-    still, moved = (
-        peaks_of(certifier, np.array(e)) for e in ([0.0] * 5, [0.05, 0.05, 0.1, 0.05, 0.1])
-    )
-    alone, added = (certifier._added(certifier.inputs, item) for item in (still, moved))
-    rests = (certifier._remainders(certifier.inputs, item) for item in (still, moved))
-    for before, after, none, rest in zip(alone, added, *rests, strict=True):
-        more = (rest - none).sum(axis=(1, 2))
-        assert (after - before >= more * (1 - 1e-9)).all()
-        assert more.max() > 0
-
-
 def test_a_condition_has_less_room_where_what_it_limits_is_measured_amiss(certifier):
     loop = certifier.loop
     room = np.array([float(item.lower()) for item in loop.most])
@@ -136,22 +96,6 @@ def test_commands_that_may_be_small_may_be_taken_for_none(certifier):
     assert moved - still == pytest.approx(inputs.dead, rel=1e-9)
 
 
-def test_two_commands_that_follow_each_other_are_both_amiss(certifier):
-    one = copy(certifier)
-    one.loop = copy(certifier.loop)
-    one.level = np.full_like(certifier.level, 0.7)
-    one.loop.overlap = SimpleNamespace(steps=1, off=np.array([[0.25, 0.5]]))
-    peaks = peaks_of(certifier, np.zeros(5))
-    peaks.law[-2:] = 0.3
-    exact, amiss = certifier.inputs, replace(certifier.inputs, command=np.array([0.1, 0.2]))
-    changes, more = (one._changes(inputs, peaks) for inputs in (exact, amiss))
-    given = one._given(exact, np.zeros(len(certifier.law_rest)), changes)
-
-    assert changes == pytest.approx([1.0, 1.0])
-    assert more - changes == pytest.approx([0.2, 0.4])
-    assert given[2 + len(certifier.law_rest) :][:2] == pytest.approx([0.25, 0.5] * changes)
-
-
 def test_a_start_counts_what_was_measured_and_estimated_before_it(certifier):
     """Each of the three by itself; and without a start none of them."""
     one, inputs = copy(certifier), replace(certifier.inputs, pose=0.02)
@@ -181,22 +125,6 @@ def test_within_a_sample_what_every_plant_step_adds_counts_besides(certifier):
         found.append(one.next_sample(certifier.inputs, nothing.state, nothing).fast)
 
     assert found[1] - found[0] == pytest.approx(len(certifier.loop.names))
-
-
-def test_what_dead_reckoning_misses_is_kept_but_for_the_share_that_is_corrected(certifier):
-    """Gaps of all samples so far: a geometric sum, of both elements of a position."""
-    stub = SimpleNamespace(law_rest=np.zeros(len(certifier.law_rest)))
-    scenario = load_scenario(
-        "safe-simulation", changes("sensor.correction = 0.25; sensor.pose_noise = 1")
-    )
-    stub.loop = SimpleNamespace(
-        filter=3, memory=3, setup=SimpleNamespace(scenario=scenario),
-        step=SimpleNamespace(at=np.array([0, 0, 0, 3.0, 2.0])),
-    )  # fmt: skip
-    gap = reference_gap(np.array([3.0, 2.0]), scenario.clock.control)
-
-    assert Certifier._reckoning_gap(stub) == pytest.approx(2 * gap / 0.75)
-    assert stub.law_rest[2:4] == pytest.approx([gap, gap])
 
 
 def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it():

@@ -1,7 +1,6 @@
 """What the certificate rests on: balls that hold graphs, gains that hold responses."""
 
 from functools import partial
-from itertools import combinations
 
 import casadi as ca
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from tests.papers_robot import safe
-from tests.tables import changes
 from wmr_ctrl.control.setup import settle
 from wmr_proofs.corridor import gains as room
 from wmr_proofs.corridor.enclosure import OFTEN, Enclosure, OpenBoxError
@@ -29,26 +27,6 @@ def loop(request):
     return SampledLoop(setup, V_D, partial(conditions, setup))
 
 
-def values(curve, point):
-    """The curve's graph in doubles."""
-    return np.array([float(x.mid()) for x in curve._value([arb(x) for x in point])])
-
-
-@pytest.mark.parametrize("name", ["law", "step"])
-def test_what_the_linear_part_leaves_stays_below_its_bound(loop, name):
-    curve, rng = getattr(loop, name), np.random.default_rng(2)
-    size = np.full(len(curve.at), 0.02)
-    bound = curve.remainders(np.outer(size, size)).sum(axis=(1, 2))
-    slopes = np.array([[float(x.mid()) for x in row] for row in curve.slopes()])
-    corners = rng.choice([-1.0, 1.0], size=(200, len(size))) * size
-
-    left = [np.abs(values(curve, curve.at + d) - values(curve, curve.at) - slopes @ d)
-            for d in corners]  # fmt: skip
-
-    assert (np.max(left, axis=0) <= bound + 1e-11).all()
-    assert np.max(left) > 0
-
-
 @pytest.mark.slow_but("prox")
 def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
     gains = loop_gains(loop, np.zeros((len(loop.at), 1)), np.zeros(len(loop.names)))
@@ -58,104 +36,6 @@ def test_the_linear_part_is_a_contraction_whose_rest_is_known(loop):
     for part in (gains.fast, gains.state, gains.law):
         assert (part.by >= 0).all()
         assert np.isfinite(part.by).all()
-
-
-@pytest.mark.parametrize("place", [0, 3])
-@pytest.mark.slow_but("prox-3")
-def test_what_never_changes_brings_the_loop_as_far_as_is_said_and_no_further(loop, place):
-    """Of what each plant step adds: summed step by step, in doubles."""
-    added, size = np.zeros(len(loop.names)), len(loop.names)
-    added[place] = 1e-3
-    gains = loop_gains(loop, np.zeros((len(loop.at), 1)), added)
-    sample = SampleMatrices(loop)
-    A, step = (np.array(item, dtype=float) for item in (sample.A, sample.step))
-    within = [np.array(item[:, : sample.n], dtype=float) for item in sample.fast]
-    command = [np.array(item[:, sample.n :], dtype=float) for item in sample.fast]
-    law = np.array(sample.law[:2], dtype=float)
-    x, most, outermost = np.zeros(sample.n), np.zeros(size), np.zeros(sample.n)
-    for _ in range(2 * gains.samples):
-        own = np.zeros(size)
-        for free, forced in zip(within, command, strict=True):
-            most = np.maximum(most, np.abs(free @ x + forced @ law @ x + own))
-            own = step @ own + added
-        x = A @ x
-        x[:size] += own
-        outermost = np.maximum(outermost, np.abs(x))
-
-    assert (most <= gains.fast.constant[:size] * (1 + 1e-9)).all()
-    assert (outermost <= gains.state.constant * (1 + 1e-9)).all()
-    assert gains.fast.constant[:size] == pytest.approx(most, rel=0.05, abs=1e-9)
-
-
-def test_gains_are_sums_of_the_answers_to_single_inputs(loop):
-    """Of pushes, of what the law's outputs and what is measured are off, at all plant steps; of
-    what plant steps leave; and of a start.  Rows: elements, directions, pairs."""
-    n, size, start = len(loop.at), len(loop.names), np.eye(len(loop.at))[:, :3] * 0.5
-    gains = loop_gains(loop, start, np.zeros(size))
-    sample = SampleMatrices(loop)
-    A, step, law, seen, push, outputs = (
-        np.array(item, dtype=float)
-        for item in (sample.A, sample.step, sample.law, sample.seen, sample.push, sample.outputs)
-    )
-    turns = np.pi / 16 * np.arange(16)
-    rows = [
-        *np.eye(size),
-        *(np.cos(t) * np.eye(size)[0] + np.sin(t) * np.eye(size)[1] for t in turns),
-    ]
-    for (a, b), ratio in zip(combinations(range(5), 2), gains.ratios, strict=True):
-        rows += [np.eye(size)[a] + sign * ratio * np.eye(size)[b] for sign in (1, -1)]
-    rows, inputs = np.array(rows), np.hstack([push, outputs, outputs @ seen])
-    powers = [np.eye(n)]
-    for _ in range(gains.samples):
-        powers.append(A @ powers[-1])
-    within = [np.linalg.matrix_power(step, k) for k in range(loop.steps + 1)]
-    by, left, begun = (np.zeros((len(rows), k)) for k in (inputs.shape[1] + 1, size, 1))
-    for s, (whole, pushed) in enumerate(zip(sample.fast, sample.pushed, strict=True)):
-        free, forced = np.split(np.array(whole, dtype=float), [n], axis=1)
-        ways = rows @ (free + forced @ law[:2]) @ np.array(powers)
-        direct = np.hstack([np.array(pushed, dtype=float), forced,
-                            np.zeros((size, len(law) - 2)), forced @ seen[:2]])  # fmt: skip
-        each = np.concatenate([ways @ inputs, (rows @ direct)[None]])
-        disc = np.hypot(each[..., -5], each[..., -4]).sum(axis=0)
-        by = np.maximum(by, np.insert(np.abs(each).sum(axis=0), -5, disc, axis=1))
-        own = [np.abs(rows @ power) for power in within[:s]]
-        own += [np.abs(ways[..., :size] @ power).sum(axis=0) for power in within[:-1]]
-        left = np.maximum(left, np.sum(own, axis=0))
-        begun = np.maximum(begun, np.abs(ways @ start).sum(axis=2).max(axis=0)[:, None])
-
-    fast = gains.fast
-    pairs = (fast.by, by, 1.03), (fast.steps, left, 4.0), (fast.start[:, None], begun, 1.03)
-    for found, least, most in pairs:
-        assert (found >= least * (1 - 1e-9)).all()
-        moved = least.max(axis=0) > 0  # a memory that moves nothing has a norm all the same
-        assert (found <= least * most + 1e-4)[:, moved].all()
-
-    told = np.abs(law @ np.array(powers) @ inputs).sum(axis=0)
-    told += np.abs(np.hstack([np.zeros((len(law), 2)), np.eye(len(law)), seen]))
-    assert (np.delete(gains.law.by, -6, axis=1) >= told * (1 - 1e-9)).all()
-
-
-def test_estimates_and_what_an_observer_remembers_are_where_the_loop_keeps_them(monkeypatch):
-    """Behind commands under way; before what acts in lagging drives."""
-    late = changes("""
-        actuator.delay = 0.02
-        actuator.lag = 0.02
-        guard.enabled = false
-    """)
-    filtered = changes("sensor.correction = 0.5; sensor.pose_noise = 1e-3")
-    setup = settle(safe(late | filtered), "kanayama")
-    loop = SampledLoop(setup, V_D, partial(conditions, setup))
-    given, n = {}, len(loop.names) + 2 * loop.queue + loop.memory + loop.acting
-    rest = np.ones((1, n, n)), np.ones((1, n, n)), np.zeros((n, n))
-    monkeypatch.setattr(room, "powers_until", lambda *_: rest)
-    monkeypatch.setattr(room, "Responses", lambda *args: given.update(args=args) or 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        loop_gains(loop, np.zeros((n, 1)), np.zeros(len(loop.names)))
-    memory = len(loop.names) + 2 * loop.queue
-
-    assert loop.acting * loop.queue * loop.filter > 0
-    assert given["args"][9] == memory + loop.memory - loop.filter
-    assert given["args"][10] == memory + loop.observed[1]
 
 
 def test_what_is_left_after_all_samples_is_a_norm_that_is_not_below_the_truth(loop, monkeypatch):

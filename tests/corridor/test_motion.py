@@ -4,21 +4,8 @@ import numpy as np
 import pytest
 
 from wmr_proofs.corridor.midradius import MidRadius
-from wmr_proofs.corridor.motion import MovingCurve, RunMotion, _chord
+from wmr_proofs.corridor.motion import MovingCurve, _chord
 from wmr_proofs.corridor.peaks import reference_gap
-
-LAP, COUNT = 10, 34
-
-
-def motion(moved=None):
-    """Three laps and a part; the robot is heavier from a sample on."""
-    phase = np.arange(COUNT) % LAP / 10.0
-    robot = np.ones((COUNT, 2, 3))
-    if moved is not None:
-        robot[moved:, :, 0] = 2.0
-    pair, far = np.stack((phase, 1 - phase), axis=1), np.zeros(COUNT)
-    way = np.vstack([pair[-1:] * 0 + pair[LAP - 1], pair])
-    return RunMotion(pair, pair, way, far.copy(), far.copy(), far.copy(), far.copy(), robot)
 
 
 @pytest.mark.parametrize("v, turn", [(0.3, 2.0), (-0.2, 2.0), (0.4, 0.0), (0.3, -15.0)])

@@ -54,23 +54,6 @@ def gains(responses, rows):
     return responses.gains(rows, NOW)
 
 
-def test_inputs_of_any_signs_bring_each_row_as_far_as_all_samples_add_up(gains):
-    """A disc of (e1, e2) stands before their own columns; its tail counts both of them."""
-    found = np.delete(gains.by, COMMAND + LAW, axis=1)
-    disc, sizes = gains.by[:, COMMAND + LAW], np.abs(B) / (1 - abs(A))
-    e1, e2 = sizes[0, -ROBOT : 2 - ROBOT]
-    direct = np.hypot(D[:, -ROBOT], D[:, 1 - ROBOT])
-
-    near_above(found, sizes + np.abs(D))
-    near_above(disc, np.hypot(e1, e2) + direct, LEFT * (e1 + e2))
-
-
-def test_what_plant_steps_leave_adds_up_over_all_samples_beside_those_of_the_row(gains):
-    whole = WITHIN / (1 - abs(A)) + OWN
-
-    near_above(gains.steps, whole, 2 * TAIL * WITHIN.sum(axis=0))
-
-
 def test_a_start_counts_all_of_its_columns_and_what_is_left_of_it(gains):
     """Also where the first estimate of a position, or a remembered velocity, is off by 1."""
     near_above(gains.start, np.abs(START).sum(axis=1) + LEFT * np.abs(START).sum())
