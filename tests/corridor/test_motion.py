@@ -1,4 +1,4 @@
-"""Motions of a reference: chords, laps, and remainders in parts, with numbers of the tests' own."""
+"""Motions of a reference: chords, and remainders in parts, with numbers of the tests' own."""
 
 import numpy as np
 import pytest

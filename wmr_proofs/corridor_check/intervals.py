@@ -158,7 +158,7 @@ RULES: dict[int, Callable[..., Interval]] = {
     ca.OP_NOT: lambda a: _flag(*reversed(_true(a))),
     ca.OP_AND: lambda a, b: _flag(_true(a)[0] & _true(b)[0], _true(a)[1] | _true(b)[1]),
     ca.OP_OR: lambda a, b: _flag(_true(a)[0] | _true(b)[0], _true(a)[1] & _true(b)[1]),
-    ca.OP_SIGN: lambda a: tuple(2 * x - 1 for x in _flag(a[0] > 0, a[1] < 0)),
+    ca.OP_SIGN: lambda a: (2 * (up := _flag(a[0] > 0, a[1] < 0)[0]) - 1, 2 * up - 1),
     ca.OP_ADD: lambda a, b: _out(a[0] + b[0], a[1] + b[1]),
     ca.OP_SUB: lambda a, b: _out(a[0] - b[1], a[1] - b[0]),
     ca.OP_MUL: _product,
