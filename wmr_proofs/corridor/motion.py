@@ -206,7 +206,7 @@ class MovingLoop(SampledLoop):
         numbers = ca.vertcat(v_d, rate, came)
         self.law_curve = MovingCurve("the law", by, numbers, output, (slice(1), 0.01))
         self.sizes = MidRadiusGraph("the limits", [by, numbers], ca.densify(sizes))
-        self.limits = ca.Function("limits", [by, numbers], [sizes])
+        self.limit_sizes = ca.Function("limits", [by, numbers], [sizes])
         rest = [item.value for item in world.fast[5:]]
         begun = np.array(loop.core.x0)[: self.memory - self.filter]
         fast = np.concatenate((np.zeros(3), motion.v_d[0], *map(np.atleast_1d, rest)))

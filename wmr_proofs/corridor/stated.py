@@ -113,7 +113,7 @@ def of_run(passing: Passing, bounds: RunBounds) -> Certificate:
         place = n - loop.acting - loop.filter
         gap[:, place : place + 2] = motion.reckoned[:, None]
     return Certificate(
-        loop.law_curve.function, loop.step_curve.function, loop.limits,
+        loop.law_curve.function, loop.step_curve.function, loop.limit_sizes,
         states=along.states, fine=along.fine, outs=along.outs[:, :outs],
         body=motion.robot[..., :2], law_numbers=loop.law_numbers, step_numbers=loop.step_numbers,
         share=np.zeros(0), off=np.zeros((0, COMMAND)), law_gap=np.zeros(outs),
