@@ -37,7 +37,7 @@ CASES = {
     "late commands behind the guard": ("safe-simulation", "prox", {"actuator.delay": 0.02}),
     "rare poses": ("safe-simulation", "prox", {"sensor.pose_period": 0.05}),
     "another friction": ("far-start-friction-overestimated", "kanayama", {}),
-    "estimated poses": ("safe-simulation", "mb", {"sensor.correction": 0.8,
+    "estimated poses": ("safe-simulation", "mb", {"sensor.correction": 0.4, "disturbance.std": 0.2,
                                                   "sensor.pose_noise": 1e-5}),
 }  # fmt: skip
 DEFAULT = tuple(case for case in CASES if case != "a base with a dead band")
