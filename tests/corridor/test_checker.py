@@ -18,10 +18,12 @@ from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.following import Following
 from wmr_proofs.corridor.inputs import NoCorridorError, bounded_inputs
+from wmr_proofs.corridor.latch import DUST, latch_of
+from wmr_proofs.corridor.latch import LARGER as LARGER_BOXES
 from wmr_proofs.corridor.passage import Passing
 from wmr_proofs.corridor_check import check as checker
 from wmr_proofs.corridor_check.certificate import Certificate
-from wmr_proofs.corridor_check.check import check, in_the_long_run
+from wmr_proofs.corridor_check.check import check, in_the_long_run, latched
 from wmr_proofs.corridor_check.intervals import RULES, RefusedError
 
 FREE = {"guard.enabled": False}
@@ -234,6 +236,21 @@ def test_a_run_whose_bounds_forget_something_has_no_width(monkeypatch):
     assert tube.position is None
     assert "do not pass their check (" in tube.refused
     assert "please report it" in tube.sentence
+
+
+def test_no_box_of_a_monitor_may_be_larger_and_no_time_in_it_shorter():
+    certifier = certifier_of("mb")
+    latch = latch_of(certifier, certifier.inputs)
+    held = certifier.tube(certifier.inputs).peaks.times(LARGER_BOXES[0], DUST)
+    written = stated.of_loop(certifier, certifier.inputs, held)
+    shown = latched(written, latch.box, latch.samples, 4)
+
+    assert shown == pytest.approx(latch.position, rel=0.02)
+    assert np.all(np.array(shown) <= latch.position)
+    with pytest.raises(RefusedError, match="reaches"):
+        latched(written, 1.1 * latch.box, latch.samples, 4)
+    with pytest.raises(RefusedError, match="reaches"):
+        latched(written, latch.box, 10, 4)
 
 
 def test_smaller_inputs_have_a_smaller_box(circle):

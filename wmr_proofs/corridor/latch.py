@@ -20,10 +20,12 @@ from wmr_ctrl.theory.checks.error_coordinates import Floats
 from wmr_ctrl.theory.corridor.answer import bounds
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import Scenario, override
+from wmr_proofs.corridor_check.check import latched
 
 from .certificate import Certifier
 from .inputs import Inputs, NoCorridorError
 from .monitor import DISTANCE, IN_CORRIDOR, LEFT, MOST, Latch, monitor, seen
+from .stated import of_loop, refused_unchecked
 
 LARGER = (1.6, 1.4, 1.2, 1.1, 1.05, 1.02)
 """Multiples of the corridor's box that are tried for Y."""
@@ -57,9 +59,11 @@ def latch_of(certifier: Certifier, inputs: Inputs) -> Latch | None:
     for _ in range(STAGES - 1):
         follows = certifier.settled(inputs, follows)
         position.append(certifier.position(follows))
-    return Latch(
-        low * held.state, certifier.gains.samples, tuple(position), certifier.loop.at, inputs
-    )
+    box, samples = low * held.state, certifier.gains.samples
+    with refused_unchecked():
+        shown = latched(of_loop(certifier, inputs, held), box, samples, STAGES)
+    position = np.maximum(position, shown).tolist()
+    return Latch(box, samples, tuple(position), certifier.loop.at, inputs)
 
 
 def monitor_of(scenario: Scenario, law: str) -> System:

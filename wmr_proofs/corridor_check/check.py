@@ -38,14 +38,37 @@ def check(c: Certificate) -> tuple[Floats, Floats]:
         raise RefusedError("a size is negative or no number")
     course = _Course(c)
     fast, state, out = _reached(c, course)
+    _compare(c, fast, state, out)
+    turn = np.abs(c.fine[:, :, 2]).max(axis=1) + fast[:, 2] + c.aside[:, 1]
+    return _distance(c, course, fast), turn * OUT
+
+
+def _compare(c: Certificate, fast: Floats, state: Floats, out: Floats) -> None:
+    """RefusedError if something leaves the box."""
     parts = (fast, c.fast, "fast state"), (state, c.state, "state"), (out, c.out, "law's output")
     for found, claimed, name in parts:
         if not (found <= claimed).all():
             k, i = np.unravel_index(np.argmax(found / np.maximum(claimed, 1e-300)), found.shape)
             reach = f"{found[k, i]:.6g} of {claimed[k, i]:.6g}"
             raise RefusedError(f"{name} {i + 1} reaches {reach} in sample {k}")
-    turn = np.abs(c.fine[:, :, 2]).max(axis=1) + fast[:, 2] + c.aside[:, 1]
-    return _distance(c, course, fast), turn * OUT
+
+
+def latched(c: Certificate, box: Floats, samples: int, stages: int) -> list[float]:
+    """Distances [m] after so many samples of a standing loop with states in ``box``, twice, ...
+
+    RefusedError if a sample that begins there may leave the certificate's box, or one after them.
+    """
+    c = replace(c, start=0.0 * c.start, disc=(0.0, c.disc[1]))
+    course, result = _Course(c), list[float]()
+    sample = _Sample(c, course, _Linear(c, course))
+    _compare(c, *_gathered(c, sample, _begun_within(c, sample, box)))
+    for _ in range(stages):
+        sample = _Sample(c, course, _Linear(c, course))
+        fast, state, out = _gathered(c, sample, _standing(c, sample, samples))
+        _compare(c, fast, state, out)
+        c = replace(c, fast=fast, state=state, out=out)
+        result.append(float(_distance(c, course, fast)[0]))
+    return result
 
 
 def in_the_long_run(c: Certificate) -> float:
@@ -322,13 +345,30 @@ def _run(c: Certificate, sample: _Sample) -> Floats:
     return np.array(reached)
 
 
-def _standing(c: Certificate, sample: _Sample) -> Floats:
-    """The same of one sample that stands for all."""
+def _begun_within(c: Certificate, sample: _Sample, box: Floats) -> Floats:
+    """The same of a sample that begins in a box, and of the state after it."""
+    n, rows, answers = sample.n, sample.rows[0], _Answers(c, sample, 1)
+    after = rows[:, :n] @ sample.next[0]
+    more = 0.0, np.abs(rows[:, :n]) @ sample.box[0]
+    reached = []
+    for part, off in zip((rows, after), more, strict=True):
+        own = np.abs(part[:, :n]) @ box + np.abs(part[:, -1]) + off
+        reached.append(answers.reach(part, 0, c.state[0]) + own * OUT)
+    return np.array(reached)
+
+
+def _standing(c: Certificate, sample: _Sample, samples: int = LONGEST) -> Floats:
+    """The same of one sample that stands for all; of so many, if it has not come to rest before.
+
+    What is before them is within the box.
+    """
     n, rows, state = sample.n, sample.rows[0], c.state[0]
     (answers := _Answers(c, sample, 1)).put(0, 0)
     A, m = sample.next[0, :, :n], len(answers.weights)
     course = [np.hstack([answers.columns[..., 0].T, _begun(c), sample.next[0, :, -1:]])]
     while (np.abs(course[-1][:, m - n : m]) @ state > LEFT * (state + DUST)).any():
+        if len(course) > samples:
+            break
         course.append(A @ course[-1])
         if len(course) > LONGEST or not np.abs(course[-1]).max() < 1e9:
             raise RefusedError("the loop does not come to rest")

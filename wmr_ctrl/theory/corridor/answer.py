@@ -41,8 +41,8 @@ class Corridor:
     duration of the run that it is valid for, with all changes in it; else for ever. ``whole``: the
     corridor of the whole run, if it was requested, and this one ends at a change of the robot or
     excludes initial contents of drives. ``clearance``: distance left to the scenario's obstacles,
-    None without any.  ``checked``: it was, apart from its computation.  ``course`` (2, n): of a run,
-    position and heading in each sample.
+    None without any.  ``checked``: it was, apart from its computation.  ``course`` (2, n): of a
+    run, position and heading in each sample.
     """
 
     law: str
