@@ -102,6 +102,8 @@ class _Course:
     ``seen`` (K, any) of the law, ``moved`` (K, steps, any) of plant steps; ``order``: places in the
     state of the law's variables; ``ages``: samples since the command that acts in each plant step;
     ``rows``: elements, directions of the position, sums and differences of pairs of deviations.
+    Samples with one box after the other are of one ``kind`` (K), whose ``first`` (kinds) it is, and
+    have matrices in common, which are as wide as all of them need.
     """
 
     def __init__(self, c: Certificate) -> None:
@@ -121,6 +123,9 @@ class _Course:
         acts = sent.reshape(K, -1, COMMAND)[:, self.ages]
         parts = [c.fine[:, :-1], acts, np.zeros_like(acts), c.body, c.step_numbers]
         self.moved = np.concatenate(parts, axis=2)
+        every = np.hstack([c.fast, c.state[:-1], c.out])
+        differs = np.append(True, (every[1:] != every[:-1]).any(axis=1))
+        self.first, self.kind = np.flatnonzero(differs), np.cumsum(differs) - 1
         count, rows = c.fast.shape[1] - nz - 2 * len(c.pairs), [*np.eye(nz)]
         for angle in (k * pi / count for k in range(count)):
             rows.append(cos(angle) * rows[0] + sin(angle) * rows[1])
@@ -128,10 +133,18 @@ class _Course:
             rows += [rows[a] + sign * ratio * rows[b] for sign in (1, -1)]
         self.rows = np.array(rows)
 
+    def least(self, each: Floats) -> Floats:
+        """Smallest entries of an array of samples, kind by kind."""
+        return np.asarray(np.minimum.reduceat(each, self.first))
+
+    def most(self, each: Floats) -> Floats:
+        """Largest entries."""
+        return np.asarray(np.maximum.reduceat(each, self.first))
+
 
 @dataclass(frozen=True)
 class _Boxes:
-    """Deviations of the law's variables and of plant steps' (K, any), and products of two."""
+    """Deviations of the law's variables and of plant steps' (kinds, any), and products of two."""
 
     seen: Floats
     by_seen: Floats
@@ -140,23 +153,24 @@ class _Boxes:
 
 
 def _boxes(c: Certificate, course: _Course, error: Floats) -> _Boxes:
-    K, robot = len(c.fine), c.fast[:, :ROBOT]
+    fast, state, out = (part[course.first] for part in (c.fast, c.state, c.out))
+    K, robot = len(fast), fast[:, :ROBOT]
     products = robot[:, :, None] * robot[:, None]
-    sums = c.fast[:, len(course.rows) - 2 * len(c.pairs) :].reshape(K, -1, 2).max(axis=2) ** 2
+    sums = fast[:, len(course.rows) - 2 * len(c.pairs) :].reshape(K, -1, 2).max(axis=2) ** 2
     for k, (a, b) in enumerate(c.pairs):
         least = np.minimum(products[:, a, b], sums[:, k] / (4 * c.ratios[k]))
         products[:, a, b] = products[:, b, a] = least
-    seen, begun = c.state[:-1, course.order], c.state[:-1, :ROBOT]
+    seen, begun = state[:, course.order], state[:, :ROBOT]
     seen[:, :ROBOT] += error
     by_seen, mixed = seen[:, :, None] * seen[:, None], begun[:, :, None] * error
     least = np.minimum(products, begun[:, :, None] * begun[:, None])
     by_seen[:, :ROBOT, :ROBOT] = least + mixed + mixed.swapaxes(1, 2) + np.outer(error, error)
-    queue = c.state[:-1, course.nz : course.nz + COMMAND * c.queue].reshape(K, -1, COMMAND)
-    sent = np.concatenate([c.out[:, None, :COMMAND], queue], axis=1)
+    queue = state[:, course.nz : course.nz + COMMAND * c.queue].reshape(K, -1, COMMAND)
+    sent = np.concatenate([out[:, None, :COMMAND], queue], axis=1)
     last = max(course.ages) + (len(c.share) > 0)
     acts = sent[:, min(course.ages) : last + 1].max(axis=1)
     known = np.tile(np.concatenate([c.push, c.wide]), (K, 1))
-    moved = np.hstack([c.fast[:, : course.nz], acts, known])
+    moved = np.hstack([fast[:, : course.nz], acts, known])
     by_moved = moved[:, :, None] * moved[:, None]
     by_moved[:, :ROBOT, :ROBOT] = products
     return _Boxes(seen, by_seen * OUT, moved, by_moved * OUT)
@@ -165,15 +179,15 @@ def _boxes(c: Certificate, course: _Course, error: Floats) -> _Boxes:
 class _Linear:
     """Slopes of law and plant step along the course, and bounds of all that is beside them.
 
-    ``by_law`` (K, outputs, variables), ``by_step`` (K, fast, variables); ``law`` (K, outputs) and
-    ``step`` (K, fast): largest errors; ``given`` (K, inputs): sizes of a sample's inputs, see
+    ``by_law`` (kinds, outputs, variables), ``by_step`` (kinds, fast, variables); ``law`` and
+    ``step`` (kinds, any): largest errors; ``given`` (kinds, inputs): sizes of inputs, see
     `_Sample`; ``constant`` (fast): added in each plant step of a standing loop.
     """
 
     def __init__(self, c: Certificate, course: _Course) -> None:
         """RefusedError if a limit may act on the box."""
         law, step, outs = Graph(c.law), Graph(c.step), course.outs
-        seen, moved, K = course.seen, course.moved, len(c.fine)
+        seen, moved, K = course.seen, course.moved, len(course.first)
         shown = law.values(seen, seen)
         level = most(shown)[:, outs:]
         room = Graph(c.sizes).values(seen, seen)[0] / OUT - c.lower * OUT
@@ -182,23 +196,26 @@ class _Linear:
 
         place = c.pose + c.reckoned[:COMMAND]
         error = np.array([*place, c.reckoned[2], *c.velocity])
-        low, high, box = moved.min(axis=1), moved.max(axis=1), _boxes(c, course, error)
-        by_law, by_step = law.slopes(seen, seen), step.slopes(low, high)
+        box, at = _boxes(c, course, error), (course.least(seen), course.most(seen))
+        passed = course.least(moved.min(axis=1)), course.most(moved.max(axis=1))
+        by_law, by_step = law.slopes(*at), step.slopes(*passed)
         (self.by_law, law_off), (self.by_step, step_off) = map(_middle, (by_law, by_step))
         off, more = each(law_off, box.seen), each(step_off, box.moved)
-        off += law.second_order(seen, seen, box.seen, box.by_seen)
-        more += step.second_order(low, high, box.moved, box.by_moved)
+        off += law.second_order(*at, box.seen, box.by_seen)
+        more += step.second_order(*passed, box.moved, box.by_moved)
 
-        off[:, :outs] += most([end[:, :outs] - c.outs for end in shown]) + c.law_gap
+        rest = most([end[:, :outs] - c.outs for end in shown])
+        off[:, :outs] += course.most(rest) + c.law_gap
         acts = np.abs(c.outs[:, :COMMAND]) - c.out[:, :COMMAND] - c.command > c.dead
-        off[:, :COMMAND] += c.command + np.where(acts, 0.0, c.dead)
+        off[:, :COMMAND] += c.command + course.most(np.where(acts, 0.0, c.dead))
         after = step.values(moved, moved)
         still = 0.0 if c.lags else sum(end[0, 0] for end in after) / 2 - c.fine[0, 1]
         self.constant = np.zeros(course.nz) + still
-        more += most([end - c.fine[:, 1:] - still for end in after]).max(axis=1) * OUT
+        rest = most([end - c.fine[:, 1:] - still for end in after]).max(axis=1)
+        more += course.most(rest) * OUT
         more += np.abs(self.by_step[:, :, -COMMAND:]) @ c.wide + c.step_gap
         self.law, self.step = off * OUT, more * OUT
-        changes = level[:, -COMMAND:] + c.out[:, -COMMAND:] + 2 * (c.command + c.dead)
+        changes = course.most(level + c.out[:, COMMAND:])[:, -COMMAND:] + 2 * (c.command + c.dead)
         known = np.tile(np.concatenate([error, [1.0]]), (K, 1))
         late = (changes[:, None] * c.off).reshape(K, -1)
         push = np.tile(c.push, (K, 1))
@@ -211,7 +228,7 @@ def _middle(ends: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
 
 
 class _Sample:
-    """Matrices of K samples by the state at their begin and by inputs.
+    """Matrices of K kinds of samples by the state at their begin and by inputs.
 
     Inputs: command's error, push, late commands, measured errors, a constant. ``next`` (K, n, any):
     the state a sample later; ``box`` (K, n): what else is added to it.  ``rows`` (K, any, any):
@@ -221,9 +238,9 @@ class _Sample:
     """
 
     def __init__(self, c: Certificate, course: _Course, linear: _Linear) -> None:
-        K, n, nz, outs, steps = len(c.fine), course.n, course.nz, course.outs, course.steps
-        self.n, self.given = n, linear.given
-        wide, full = n + self.given.shape[1], np.hstack([c.state[:-1], self.given])
+        K, n, nz, outs, steps = len(course.first), course.n, course.nz, course.outs, course.steps
+        self.n, self.given, self.course = n, linear.given, course
+        wide, full = n + self.given.shape[1], np.hstack([c.state[course.first], self.given])
         shown = np.zeros((K, linear.law.shape[1], wide))
         shown[:, :, course.order] = linear.by_law
         shown[:, :, -1 - ROBOT : -1] = linear.by_law[:, :, :ROBOT]
@@ -248,10 +265,10 @@ class _Sample:
             courses.append(now)
             offs.append(off)
         self.next = np.concatenate([now, *sent[: c.queue], shown[:, COMMAND:outs]], axis=1)
-        self.box = c.gap + UNIT * each(np.abs(self.next), full)
+        self.box = course.most(c.gap) + UNIT * each(np.abs(self.next), full)
         self.box[:, :nz] += off
         self.box[:, n - outs + COMMAND :] += linear.law[:, COMMAND:outs]
-        self.apart, sizes = list[tuple[Floats, Floats | float]](), np.abs(course.rows).T
+        self.apart, sizes = list[tuple[Floats, Floats | None]](), np.abs(course.rows).T
         for a, b in zip(c.knots, [*c.knots[1:], steps], strict=True):
             beside = np.zeros((K, nz))
             for s in range(a + 1, b):
@@ -260,7 +277,7 @@ class _Sample:
                 rough = UNIT * (np.abs(courses[a]) + np.abs(courses[b]))
                 beside = np.maximum(beside, each(np.abs(chord) + rough, full) + offs[s])
             ended = off if b == steps else 0.0  # counts at the end already
-            inner = (beside - ended) @ sizes if b > a + 1 else -np.inf
+            inner = (beside - ended) @ sizes if b > a + 1 else None
             self.apart.append((offs[a] @ sizes, inner))
         read = [*range(COMMAND), *range(outs, shown.shape[1])]
         self.direct, within = linear.law[:, read], [course.rows @ courses[a] for a in c.knots]
@@ -286,13 +303,13 @@ class _Answers:
             raise RefusedError("its loop forgets too slowly")
         self.columns, self.weights = np.zeros((m, self.n, count)), np.zeros((m, count))
 
-    def put(self, place: int, k: int) -> None:
-        """Begin with what sample ``k`` adds."""
+    def put(self, place: int, k: int, rounded: Floats | float = 0.0) -> None:
+        """Begin with what a sample of kind ``k`` adds, and what is ``rounded`` then."""
         here = self.sample.next[k]
         own = here[:, self.kept], here[:, self.discs], np.eye(self.n)
         self.columns[:, :, place] = np.concatenate(own, axis=1).T
         self.weights[: self.pair, place] = self.weights_of[k]
-        self.weights[-self.n :, place] = self.sample.box[k]
+        self.weights[-self.n :, place] = self.sample.box[k] + rounded
 
     def reach(self, rows: Floats, k: int, state: Floats) -> Floats:
         """Largest values of rows of the state and of a sample's inputs, without a start."""
@@ -323,25 +340,29 @@ def _started(seen: Floats) -> Floats:
 def _run(c: Certificate, sample: _Sample) -> Floats:
     """Largest values (K + 1, rows) of the rows of each sample, and of the state after all."""
     K, n, begun, reached = len(c.fine), sample.n, _begun(c), list[Floats]()
-    count = min(c.lags, K)
+    count, place, kinds = min(c.lags, K), 0, sample.course.kind
     answers, far = _Answers(c, sample, count), np.zeros((n, count))
     for k in range(K + 1):
-        rows = sample.rows[min(k, K - 1)].copy()
+        kind = kinds[min(k, K - 1)]
+        if 2 * count < k < K - 1 and (kinds[k - 2 * count - 1 : k + 2] == kind).all():
+            reached.append(reached[-1])  # nothing differs from a sample ago
+            continue
+        rows = sample.rows[kind].copy()
         if k == K:
             rows[:, n:] = 0.0
-        most = answers.reach(rows, min(k, K - 1), c.state[k])
+        most = answers.reach(rows, kind, c.state[k])
         reached.append(most + (_started(rows[:, :n] @ begun) if k < count else 0.0))
         if k == K:
             break
-        A, oldest = sample.next[k, :, :n], (k + 1) % count
+        A = sample.next[kind, :, :n]
         answers.columns, begun = A @ answers.columns, A @ begun
         held = (np.abs(answers.columns[-n:]) * far[:, None]).sum(axis=0).max(axis=1)
-        sample.box[k] += UNIT * np.abs(A) @ (c.state[k] + held) * OUT
-        answers.put(k % count, k)
-        far[:, k % count] = c.state[k + 1]
+        answers.put(place, kind, UNIT * np.abs(A) @ (c.state[k] + held) * OUT)
+        far[:, place] = c.state[k + 1]
+        place = (place + 1) % count
         if k + 1 >= count:  # what its oldest sample ended in is within the box there
-            answers.columns[:-n, :, oldest] = 0.0
-            answers.weights[-n:, oldest] = far[:, oldest]
+            answers.columns[:-n, :, place] = 0.0
+            answers.weights[-n:, place] = far[:, place]
     return np.array(reached)
 
 
@@ -395,7 +416,10 @@ def _gathered(c: Certificate, sample: _Sample, reached: Floats) -> tuple[Floats,
     ends = np.cumsum([count, sample.n - nz, *[count] * further])
     begin, rest, *knots, out = np.split(reached, ends, axis=1)
     course = [item[:-1] for item in (begin, *knots)] + [begin[1:]]
-    fast = [course[k] + here for k, (here, _) in enumerate(sample.apart)]
-    fast += [np.maximum(*course[k : k + 2]) + off for k, (_, off) in enumerate(sample.apart)]
+    kinds, fast = sample.course.kind, list[Floats]()
+    for k, (here, beside) in enumerate(sample.apart):
+        fast.append(course[k] + here[kinds])
+        if beside is not None:
+            fast.append(np.maximum(*course[k : k + 2]) + beside[kinds])
     state = np.hstack([begin[:, :nz], rest])
-    return np.max(fast, axis=0) * OUT, state, (out[:-1] + sample.direct) * OUT
+    return np.max(fast, axis=0) * OUT, state, (out[:-1] + sample.direct[kinds]) * OUT
