@@ -53,22 +53,6 @@ def eight():
     return Along(settle(safe(told), "prox"))
 
 
-def test_the_undisturbed_run_is_off_the_graphs_by_no_more_than_is_counted(eight):
-    """In balls, one place after the other."""
-    curve, k = eight.loop.step_curve, 37
-    graph = Enclosure("a step", [curve.by, curve.numbers], ca.densify(curve.output))
-    for s in range(10):
-        given = eight._step_by(np.array([k]))[0, s], eight.loop.step_numbers[k, s]
-        with ctx.workprec(200):
-            exact = graph(*([arb(x) for x in part.tolist()] for part in given))
-            off = [float((x - told).abs_upper()) for x, told in
-                   zip(exact, eight.fine[k, s + 1].tolist(), strict=True)]  # fmt: skip
-        assert (np.array(off) <= eight.step_off).all()
-    assert 0 < eight.step_off.max() < 1e-14
-    assert 0 < eight.law_off.max() < 1e-10
-    assert np.abs(eight.states[1:, :5] - eight.fine[:, -1, :5]).max() == 0
-
-
 def test_what_a_run_is_off_the_graphs_is_found_wherever_it_is(eight):
     other = copy(eight)
     other.fine, other.outs = eight.fine.copy(), eight.outs.copy()
@@ -78,21 +62,6 @@ def test_what_a_run_is_off_the_graphs_is_found_wherever_it_is(eight):
 
     assert step[3] == pytest.approx(1e-7, rel=0.1)
     assert law[1] == pytest.approx(1e-3, rel=0.1)
-
-
-def test_what_a_run_is_off_the_graphs_widens_its_bounds(eight):
-    other = copy(eight)
-    other.law_off, other.step_off = eight.law_off.copy(), eight.step_off.copy()
-    other.step_off[3] += 1e-5  # m/s in each of ten plant steps of 1 ms
-    inputs = bounded_inputs(eight.setup)
-
-    def position(along):
-        return Passing(along, inputs, np.zeros(3)).run(20).position
-
-    plain, wider = position(eight), position(other)
-    other.step_off, other.law_off[0] = eight.step_off, 1.0  # N on 50 kg
-    assert (wider > plain + 45 * 1e-8).all()
-    assert (position(other) > plain + 0.5 / 50 * 1e-4).all()
 
 
 def test_constants_of_series_are_within_their_radius():
@@ -167,24 +136,6 @@ def test_a_loop_with_more_numbers_than_rounding_is_counted_for_is_refused():
             "rounding is counted for 100 at most"
             in find_corridor(scenario, "prox", whole=True).refused
         )
-
-
-def test_matrices_of_samples_are_the_slopes_of_the_loop_as_it_is_run(eight):
-    """Also in the sample in which the robot changes, at its sixth plant step."""
-    here = eight.matrices(48, 53)
-    loop, size, start = eight.loop, 1e-6, eight.states[48:53]
-    for k in range(5):
-        result = np.zeros_like(here.A.middle[k])
-        for i in range(result.shape[1] - 1):  # not that the observer has started
-            ends = []
-            for sign in (1, -1):
-                x0 = start[k].copy()
-                step = size * max(1.0, abs(x0[i]))
-                x0[i] += sign * step
-                ends.append(loop.sampled(48 + k)(x0))
-            result[:, i] = (ends[0] - ends[1]) / (2 * step)
-        scale = 1e-5 * (1 + np.abs(result).max(axis=1, keepdims=True))
-        assert (np.abs(result - here.A.middle[k]) <= here.A.radius[k] + scale).all()
 
 
 @pytest.mark.parametrize("wide", [1e-4, 0.02, 0.3])

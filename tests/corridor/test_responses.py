@@ -54,21 +54,6 @@ def gains(responses, rows):
     return responses.gains(rows, NOW)
 
 
-def test_a_start_counts_all_of_its_columns_and_what_is_left_of_it(gains):
-    """Also where the first estimate of a position, or a remembered velocity, is off by 1."""
-    near_above(gains.start, np.abs(START).sum(axis=1) + LEFT * np.abs(START).sum())
-    near_above(gains.misled, np.array([0.0, 1.0, 1.0]) + 2 * LEFT)
-    near_above(gains.before, np.eye(N)[:, :COMMAND] + LEFT)
-    near_above(gains.left, np.full(N, LEFT))
-
-
-def test_what_every_sample_adds_alike_counts_with_its_signs_where_it_is_largest(gains):
-    sums = np.cumsum([NOW, *(A**k * STEADY for k in range(40))], axis=0)
-
-    near_above(gains.constant, np.abs(sums).max(axis=0), 2 * TAIL * np.abs(STEADY).max())
-    assert (np.abs(sums[-1]) < 0.9 * np.abs(sums).max(axis=0)).any()
-
-
 def test_what_is_carried_from_sample_to_sample_adds_up_with_its_signs(responses, rows):
     """y' = T y + rows, from 0: by answers to single inputs, of the test's own recursion."""
     turned = np.array([[1.0, 0.3, 0.0], [-0.3, 1.0, 0.0], [0.0, 0.0, 0.9]])
