@@ -21,9 +21,9 @@ from .loop import SampledLoop
 from .passage import Passing
 from .peaks import Peaks, Tube, reference_gap
 
-ROOM, MORE_ROOM, DUST, LAGS = 1 + 5e-4, 1 + 3e-3, 1e-11, 1.75
-"""Growth of the box that is stated, and of that of a whole run, so that there is some room; what is
-added; how many times the samples of a run's memory are told apart."""
+ROOM, LEAST, DUST, LAGS = 1 + 3e-3, 1e-3, 1e-11, 1.75
+"""Growth of the box that is stated, so that there is some room; a share of the largest in a run, and
+what is added to all; how many times the samples of a run's memory are told apart."""
 KNOTS = 10
 """Places within a sample at which rows are summed up."""
 
@@ -104,7 +104,9 @@ def of_run(passing: Passing, bounds: RunBounds) -> Certificate:
     """The Certificate of a whole run that was passed."""
     along, loop, motion = passing.along, passing.loop, passing.along.motion
     n, nz, outs = len(passing.pending), passing.nz, COMMAND + loop.memory + loop.acting
-    fast, state, out = (part * MORE_ROOM + DUST * (part > 0) for part in bounds.box)
+    fast, state, out = (
+        part * ROOM + (LEAST * part.max(axis=0) + DUST) * (part > 0) for part in bounds.box
+    )
     free = (along.most - along.levels) * (1 - 1e-9)
     out[:, COMMAND:] = np.minimum(out[:, COMMAND:], free)
     gap = np.zeros((len(fast), n))

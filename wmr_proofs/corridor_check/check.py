@@ -179,8 +179,8 @@ def _boxes(c: Certificate, course: _Course, error: Floats) -> _Boxes:
 class _Linear:
     """Slopes of law and plant step along the course, and bounds of all that is beside them.
 
-    ``by_law`` (kinds, outputs, variables), ``by_step`` (kinds, fast, variables); ``law`` and
-    ``step`` (kinds, any): largest errors; ``given`` (kinds, inputs): sizes of inputs, see
+    ``by_law`` (kinds, outputs, variables), ``by_step`` (kinds, steps, fast, variables); ``law`` and
+    ``step`` (kinds, ...): largest errors; ``given`` (kinds, inputs): sizes of inputs, see
     `_Sample`; ``constant`` (fast): added in each plant step of a standing loop.
     """
 
@@ -197,12 +197,13 @@ class _Linear:
         place = c.pose + c.reckoned[:COMMAND]
         error = np.array([*place, c.reckoned[2], *c.velocity])
         box, at = _boxes(c, course, error), (course.least(seen), course.most(seen))
-        passed = course.least(moved.min(axis=1)), course.most(moved.max(axis=1))
+        passed = course.least(moved), course.most(moved)
         by_law, by_step = law.slopes(*at), step.slopes(*passed)
         (self.by_law, law_off), (self.by_step, step_off) = map(_middle, (by_law, by_step))
-        off, more = each(law_off, box.seen), each(step_off, box.moved)
+        off, more = each(law_off, box.seen), each(step_off, box.moved[:, None])
         off += law.second_order(*at, box.seen, box.by_seen)
-        more += step.second_order(*passed, box.moved, box.by_moved)
+        low, high = passed[0].min(axis=1), passed[1].max(axis=1)
+        more += step.second_order(low, high, box.moved, box.by_moved)[:, None]
 
         rest = most([end[:, :outs] - c.outs for end in shown])
         off[:, :outs] += course.most(rest) + c.law_gap
@@ -211,9 +212,9 @@ class _Linear:
         after = step.values(moved, moved)
         still = 0.0 if c.lags else sum(end[0, 0] for end in after) / 2 - c.fine[0, 1]
         self.constant = np.zeros(course.nz) + still
-        rest = most([end - c.fine[:, 1:] - still for end in after]).max(axis=1)
+        rest = most([end - c.fine[:, 1:] - still for end in after])
         more += course.most(rest) * OUT
-        more += np.abs(self.by_step[:, :, -COMMAND:]) @ c.wide + c.step_gap
+        more += np.abs(self.by_step[..., -COMMAND:]) @ c.wide + c.step_gap
         self.law, self.step = off * OUT, more * OUT
         changes = course.most(level + c.out[:, COMMAND:])[:, -COMMAND:] + 2 * (c.command + c.dead)
         known = np.tile(np.concatenate([error, [1.0]]), (K, 1))
@@ -248,10 +249,10 @@ class _Sample:
         sent = [shown[:, :COMMAND] + unit[:, n : n + COMMAND]]
         sent += [unit[:, nz + COMMAND * k : nz + COMMAND * (k + 1)] for k in range(c.queue)]
         push, now, off = unit[:, n + COMMAND : n + 2 * COMMAND], unit[:, :nz], np.zeros((K, nz))
-        courses, offs, by_step = [now], [off], linear.by_step[:, :, :-COMMAND]
+        courses, offs, slopes = [now], [off], linear.by_step[..., :-COMMAND]
         still = np.outer(linear.constant, np.eye(wide)[-1])
         for s, age in enumerate(course.ages):
-            phase, acts = (s - c.late) % steps, sent[age]
+            phase, acts, by_step = (s - c.late) % steps, sent[age], slopes[:, s]
             if phase < len(c.share):
                 late = unit[:, n + COMMAND * (2 + phase) : n + COMMAND * (3 + phase)]
                 acts = (1 - c.share[phase]) * acts + c.share[phase] * sent[age + 1] + late
@@ -260,7 +261,9 @@ class _Sample:
                 np.abs(by_step) @ (np.abs(given) @ full[:, :, None])
                 + np.abs(still) @ full[0, :, None]
             )
-            off = (each(np.abs(by_step[:, :, :nz]), off) + linear.step + UNIT * rough[..., 0]) * OUT
+            off = (
+                each(np.abs(by_step[:, :, :nz]), off) + linear.step[:, s] + UNIT * rough[..., 0]
+            ) * OUT
             now = by_step @ given + still
             courses.append(now)
             offs.append(off)
@@ -340,7 +343,7 @@ def _started(seen: Floats) -> Floats:
 def _run(c: Certificate, sample: _Sample) -> Floats:
     """Largest values (K + 1, rows) of the rows of each sample, and of the state after all."""
     K, n, begun, reached = len(c.fine), sample.n, _begun(c), list[Floats]()
-    count, place, kinds = min(c.lags, K), 0, sample.course.kind
+    count, place, kinds = min(c.lags, K + 1), 0, sample.course.kind
     answers, far = _Answers(c, sample, count), np.zeros((n, count))
     for k in range(K + 1):
         kind = kinds[min(k, K - 1)]
