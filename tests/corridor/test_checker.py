@@ -98,7 +98,8 @@ def test_checker_finds_the_width_that_the_computation_states(case):
 WAYS = cases("""
     torques         | prox     | disturbance.std = 0.5
     observer, noise | kanayama | sensor.velocity_noise = [1e-3, 2e-3]; guard.enabled = false
-    late drives     | prox     | actuator.delay = 0.01; actuator.lag = 0.01; guard.enabled = false; disturbance.std = 0.3
+    late drives     | prox     | actuator = {delay = 0.01, lag = 0.01}; guard.enabled = false; \
+disturbance.std = 0.3
 """)
 
 

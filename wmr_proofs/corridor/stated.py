@@ -22,10 +22,8 @@ from .passage import Passing
 from .peaks import Peaks, Tube, reference_gap
 
 ROOM, LEAST, DUST, LAGS = 1 + 3e-3, 1e-3, 1e-11, 1.75
-"""Growth of the box that is stated, so that there is some room; a share of the largest in a run, and
-what is added to all; how many times the samples of a run's memory are told apart."""
-KNOTS = 10
-"""Places within a sample at which rows are summed up."""
+"""Growth of the box that is stated, so that there is some room; a share of the largest in a run,
+and what is added to all; how many times the samples of a run's memory are told apart."""
 
 
 @contextmanager
@@ -95,7 +93,7 @@ def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
         pairs=PAIRS, ratios=certifier.gains.ratios,
         fast=peaks.fast[None, : nz + DIRECTIONS + 2 * len(PAIRS)],
         state=np.tile(peaks.state, (2, 1)), out=np.concatenate([peaks.law[:COMMAND], free])[None],
-        knots=list(range(0, steps, max(1, steps // KNOTS))), lags=0,
+        knots=list(range(steps)), lags=0,
         **_known(loop, inputs),
     )  # fmt: skip
 

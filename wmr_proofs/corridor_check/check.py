@@ -404,9 +404,9 @@ def _standing(c: Certificate, sample: _Sample, samples: int = LONGEST) -> Floats
     for k in range(len(ways) - 1):
         answers.put(k, 0)
     answers.columns = ways[:-1, :, :m].transpose(2, 1, 0)
-    seen = rows[:, :n] @ ways
-    left = np.abs(seen[-1, :, m - n : m]) @ state
-    begun = np.maximum(_started(seen[..., m:-1]).max(axis=0), left)
+    seen = rows[:, :n] @ ways[..., m:]
+    left = np.abs(rows[:, :n] @ ways[-1, :, m - n : m]) @ state
+    begun = np.maximum(_started(seen[..., :-1]).max(axis=0), left)
     sums = np.abs(np.cumsum(np.vstack([rows[:, -1], seen[..., -1]]), axis=0)).max(axis=0)
     sums += UNIT * np.abs(rows[:, :n]) @ still + (OUT - 1) * np.abs(seen[..., -1]).sum(axis=0)
     reached = answers.reach(rows, 0, state) + (begun + sums) * OUT
