@@ -79,11 +79,11 @@ def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
     if loop.filter:
         place = COMMAND + loop.memory - loop.filter
         law_gap[place : place + 2] = reference_gap(v_d, scenario.clock.control)
-    curves = (loop.law, loop.step, loop.limits)
-    none = ca.SX.sym("none", 0)
+    none, curves = ca.SX.sym("none", 0), (loop.law, loop.step, loop.limits)
+    law, step, sizes = (ca.Function("graph", [x.by, none], [x.output]) for x in curves)
     body = loop.step.at[-COMMAND:]
     return Certificate(
-        *(ca.Function("graph", [x.by, none], [x.output]) for x in curves),
+        law, step, sizes,
         states=np.tile(loop.at, (2, 1)), fine=np.tile(loop.at[:nz], (1, steps + 1, 1)),
         outs=loop.remains[None, :outs], body=np.tile(body, (1, steps, 1)),
         law_numbers=np.zeros((1, 0)), step_numbers=np.zeros((1, steps, 0)),
