@@ -45,8 +45,8 @@ NO_BOUND = {
     "passage.py": "_slowly _held _chunk", "gains.py": "_samples", "peaks.py": "limit",
     "whole.py": "_closing _least _passes", "stated.py": "of_loop of_run",
 }  # fmt: skip
-"""Functions that choose sizes, counts, or an order, which is verified afterwards, or whose distance is
-no less than the checker's own when it is printed."""
+"""Functions that choose sizes, counts, or an order, which is verified afterwards, or whose distance
+is no less than the checker's own when it is printed."""
 
 
 def places(tree):
