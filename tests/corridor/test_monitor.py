@@ -18,12 +18,12 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.theory.corridor import corridor_monitor
+from wmr_ctrl.theory.corridor.monitor import OUTPUTS
+from wmr_ctrl.theory.corridor.monitor import monitor as watching
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import override
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.latch import latch_of
-from wmr_proofs.corridor.monitor import OUTPUTS
-from wmr_proofs.corridor.monitor import monitor as watching
 
 CASE = safe("changes = []; clock.duration = 32.0")
 SHOVED = changes("shove.force = 300.0; shove.start = 30.0; shove.time = 0.5")

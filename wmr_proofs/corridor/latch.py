@@ -16,15 +16,24 @@ from wmr_ctrl.core.fields.orientation import inward
 from wmr_ctrl.core.signals import D_HAT, POSE, REFERENCE, TORQUE, VELOCITY, Signal
 from wmr_ctrl.results import Run
 from wmr_ctrl.results.verdicts import CorridorLeft
-from wmr_ctrl.theory.checks.error_coordinates import Floats
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats
+from wmr_ctrl.theory.checks.sending import loop_of
 from wmr_ctrl.theory.corridor.answer import bounds
+from wmr_ctrl.theory.corridor.monitor import (
+    DISTANCE,
+    IN_CORRIDOR,
+    LEFT,
+    MOST,
+    SEEN,
+    Latch,
+    monitor,
+)
 from wmr_ctrl.world.model.system import System
 from wmr_ctrl.world.scenario import Scenario, override
 from wmr_proofs.corridor_check.check import latched
 
 from .certificate import Certifier
 from .inputs import Inputs, NoCorridorError
-from .monitor import DISTANCE, IN_CORRIDOR, LEFT, MOST, Latch, monitor, seen
 from .stated import of_loop, refused_unchecked
 
 LARGER = (1.6, 1.4, 1.2, 1.1, 1.05, 1.02)
@@ -63,7 +72,18 @@ def latch_of(certifier: Certifier, inputs: Inputs) -> Latch | None:
     with refused_unchecked():
         shown = latched(of_loop(certifier, inputs, held), box, samples, STAGES)
     position = np.maximum(position, shown).tolist()
-    return Latch(box, samples, tuple(position), certifier.loop.at, inputs)
+    errors = inputs.push, inputs.pose, inputs.velocity
+    return Latch(box, samples, tuple(position), certifier.loop.at, *errors)
+
+
+def seen(certifier: Certifier) -> bool:
+    """True if a monitor knows the whole state: drives without memory, laws with SEEN only."""
+    setup = certifier.loop.setup
+    memory = [item.signal for item in loop_of(setup).core.state]
+    size = sum(item.size for item in memory)
+    ideal = (len(certifier.loop.at) - ROBOT - size) % COMMAND == 0
+    known = ideal and setup.scenario.actuator.ideal and not certifier.inputs.missing
+    return known and not setup.takes_velocity and all(item in SEEN for item in memory)
 
 
 def monitor_of(scenario: Scenario, law: str) -> System:
@@ -115,8 +135,8 @@ def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
     if not len(gone):
         return None
     k, since = gone[0], np.flatnonzero(verdicts[IN_CORRIDOR])[0]
-    first, second = map(float, latch.inputs.velocity)
-    limits = bounds(float(max(latch.inputs.push)), latch.inputs.pose, (first, second))
+    first, second = map(float, latch.velocity)
+    limits = bounds(float(max(latch.push)), latch.pose, (first, second))
     mass = f"{limits} and M = {scenario.robot.m:g} kg"
     times, (off, most) = (
         (float(run.time[k]), float(run.time[since])),

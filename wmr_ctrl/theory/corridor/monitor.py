@@ -21,11 +21,8 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.kinematics import tracking_error
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port, ports, stack
 
-from .certificate import Certifier
-from .inputs import Inputs
-
 SEEN = (FORCE_HAT, OLD_VELOCITY, STARTED)
-"""Memory of a law that a monitor knows of; there is none of a law that has more."""
+"""Memory of a law that a monitor knows of; laws that have more get none."""
 IN_CORRIDOR = Signal("in_corridor", "1", "1: the corridor holds the robot, from here on")
 LEFT = Signal("corridor_left", "1", "1: it left all the same, so a bound that was stated is false")
 MOST = Signal("corridor_most", "m", "distance that is certified at this sample, 0: none yet")
@@ -39,25 +36,17 @@ class Latch:
     bounds.
 
     ``position`` [m]: largest deviation from its place after K samples in b, after 2 K, and so on;
-    the last is valid from then on.  ``level``: the state on the reference; ``inputs``: the assumed
-    ones.
+    the last is valid from then on.  ``level``: the state on the reference; ``push`` [N m] of
+    each wheel, ``pose`` [m] and ``velocity`` [m/s, rad/s]: the assumed push and measurement errors.
     """
 
     box: Floats
     samples: int
     position: tuple[float, ...]
     level: Floats
-    inputs: Inputs
-
-
-def seen(certifier: Certifier) -> bool:
-    """True if a monitor knows the whole state: drives without memory, laws with SEEN only."""
-    setup = certifier.loop.setup
-    memory = [item.signal for item in loop_of(setup).core.state]
-    size = sum(item.size for item in memory)
-    ideal = (len(certifier.loop.at) - ROBOT - size) % COMMAND == 0
-    known = ideal and setup.scenario.actuator.ideal and not certifier.inputs.missing
-    return known and not setup.takes_velocity and all(item in SEEN for item in memory)
+    push: Floats
+    pose: float
+    velocity: Floats
 
 
 def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:
@@ -118,8 +107,8 @@ def monitor(setup: Setup, latch: Latch, *, measured: bool) -> System:
 
 def _numbers(setup: Setup, latch: Latch, measured: bool) -> list[tuple[Signal, Floats]]:
     """Parameters of the monitor; measurement errors make its box smaller."""
-    n, errors, slack = len(latch.level), latch.inputs.velocity, np.zeros(len(latch.level))
-    off = latch.inputs.pose if measured else 0.0
+    n, errors, slack = len(latch.level), latch.velocity, np.zeros(len(latch.level))
+    off = latch.pose if measured else 0.0
     if measured:
         slack[:ROBOT] = off, off, 0.0, *errors
     place = n
