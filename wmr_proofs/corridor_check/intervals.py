@@ -7,12 +7,11 @@ are python-flint's.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import factorial, log
 from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 from numpy.typing import NDArray
 
 from wmr_ctrl.world.model.graph import SELECT, read
@@ -20,10 +19,6 @@ from wmr_ctrl.world.model.graph import SELECT, read
 Floats = NDArray[np.float64]
 Interval: TypeAlias = "tuple[Floats, Floats]"
 """Lower and upper ends, place by place."""
-BITS, ANGLE, EXPONENT, SATURATED, REST = 80, 0.6, 300.0, 20.0, 1e-20
-"""Largest arguments of the series of sine and exp, that from which on tanh is taken for 1 at most,
-and more than what follows of a series."""
-LN_2 = np.nextafter(log(2.0), 0), np.nextafter(log(2.0), 1)
 
 
 class RefusedError(ArithmeticError):
@@ -82,71 +77,18 @@ def _square(a: Interval) -> Interval:
     return _out(low * low, high * high)
 
 
-def _series(x: Interval, orders: range, sign: float) -> Interval:
-    """Power series of reciprocal factorials with these orders, each with ``sign`` times the last's
-    sign; what follows is below REST.
-    """
-    result = np.zeros_like(x[0]), np.zeros_like(x[0])
-    for k, order in reversed([*enumerate(orders)]):
-        number = sign**k / factorial(order)
-        more = _product(result, x)
-        result = _out(more[0] + np.nextafter(number, -1), more[1] + np.nextafter(number, 1))
-    return result[0] - REST, result[1] + REST
-
-
-def _sine(a: Interval) -> Interval:
-    if not most(a).max() <= ANGLE:
-        return _by_flint(arb.sin)(a)
-    middle = (a[0] + a[1]) / 2
-    x, wide = (middle, middle), np.maximum(a[1] - middle, middle - a[0])
-    low, high = _product(x, _series(_square(x), range(1, 18, 2), -1.0))
-    return _out(low - wide, high + wide)
-
-
-def _cosine(a: Interval) -> Interval:
-    if not most(a).max() <= ANGLE:
-        return _by_flint(arb.cos)(a)
-    high, low = (_series(_square((end, end)), range(0, 19, 2), -1.0) for end in _size(a))
-    return low[0], high[1]
-
-
-def _exponential(a: Interval) -> Interval:
-    """Each end is reduced by a multiple of ln 2."""
-    if not most(a).max() <= EXPONENT:
-        return _by_flint(arb.exp)(a)
-    ends = []
-    for x in a:
-        count = np.rint(x / LN_2[0])
-        off = _product((count, count), LN_2)
-        low, high = _series(_out(x - off[1], x - off[0]), range(17), 1.0)
-        power = np.ldexp(1.0, count.astype(int))
-        ends.append(_out(low * power, high * power))
-    return ends[0][0], ends[1][1]
-
-
-def _tanh(a: Interval) -> Interval:
-    ends = []
-    for x in a:
-        twice = 2 * np.minimum(np.abs(x), SATURATED)
-        low, high = _exponential((twice, twice))
-        part = _inverse(_out(low + 1, high + 1))
-        low, high = _out(1 - 2 * part[1], 1 - 2 * part[0])
-        high = np.where(np.abs(x) > SATURATED, 1.0, high)
-        ends.append((np.where(x < 0, -high, low), np.where(x < 0, -low, high)))
-    return ends[0][0], ends[1][1]
-
-
 def _by_flint(operation: Callable[[arb], arb]) -> Callable[[Interval], Interval]:
-    def rule(a: Interval) -> Interval:
-        ends = np.stack(np.broadcast_arrays(*a)).reshape(2, -1)
-        pairs, which = np.unique(ends, axis=1, return_inverse=True)
-        with ctx.workprec(BITS):
-            values = [operation(arb(x).union(arb(y))) for x, y in pairs.T.tolist()]
-            low = np.array([float(x.lower()) for x in values])[which.ravel()]
-            high = np.array([float(x.upper()) for x in values])[which.ravel()]
-        return _out(*(end.reshape(a[0].shape) for end in (low, high)))
+    def ends(low: float, high: float) -> tuple[float, float]:
+        value = operation(arb(low).union(arb(high)))
+        return float(value.lower()), float(value.upper())
 
-    return rule
+    every = np.frompyfunc(ends, 2, 2)
+    return lambda a: _out(*(end.astype(float) for end in every(*a)))
+
+
+def _rising(operation: Callable[[arb], arb]) -> Callable[[Interval], Interval]:
+    rule = _by_flint(operation)
+    return lambda a: (rule((a[0], a[0]))[0], rule((a[1], a[1]))[1])
 
 
 RULES: dict[int, Callable[..., Interval]] = {
@@ -168,11 +110,11 @@ RULES: dict[int, Callable[..., Interval]] = {
     ca.OP_SQ: _square,
     ca.OP_TWICE: lambda a: (2 * a[0], 2 * a[1]),
     ca.OP_SQRT: lambda a: _out(np.sqrt(a[0]), np.sqrt(a[1])),
-    ca.OP_EXP: _exponential,
-    ca.OP_EXPM1: _by_flint(arb.expm1),
-    ca.OP_SIN: _sine,
-    ca.OP_COS: _cosine,
-    ca.OP_TANH: _tanh,
+    ca.OP_EXP: _rising(arb.exp),
+    ca.OP_EXPM1: _rising(arb.expm1),
+    ca.OP_SIN: _by_flint(arb.sin),
+    ca.OP_COS: _by_flint(arb.cos),
+    ca.OP_TANH: _rising(arb.tanh),
     ca.OP_FABS: _size,
     ca.OP_FMIN: lambda a, b: (np.minimum(a[0], b[0]), np.minimum(a[1], b[1])),
     ca.OP_FMAX: lambda a, b: (np.maximum(a[0], b[0]), np.maximum(a[1], b[1])),
