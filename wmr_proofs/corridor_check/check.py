@@ -8,7 +8,7 @@ more input, and so is what matrices may be off.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import cos, pi, sin
 
 import numpy as np
@@ -34,19 +34,19 @@ def check(c: Certificate) -> tuple[Floats, Floats]:
     sizes = [c.fast, c.state, c.out, c.push, c.reckoned, c.velocity, c.wide, c.command, c.dead,
              c.gap, c.law_gap, c.step_gap, c.aside, c.lower, np.array([c.pose, c.disc[0]]),
              ]  # fmt: skip
-    if not all(np.isfinite(part).all() and (part >= 0).all() for part in sizes):
+    if not all(((part >= 0) & (part < np.inf)).all() for part in sizes):
         raise RefusedError("a size is negative or no number")
-    course = _Course(c)
-    fast, state, out = _reached(c, course)
-    _compare(c, fast, state, out)
-    turn = np.abs(c.fine[:, :, 2]).max(axis=1) + fast[:, 2] + c.aside[:, 1]
-    return _distance(c, course, fast), turn * OUT
+    sample = _Sample(c)
+    box = _gathered(c, sample, (_run if c.lags else _standing)(c, sample))
+    _compare(c, box)
+    turn = np.abs(c.fine[:, :, 2]).max(axis=1) + box.fast[:, 2] + c.aside[:, 1]
+    return _distance(box, sample.course), turn * OUT
 
 
-def _compare(c: Certificate, fast: Floats, state: Floats, out: Floats) -> None:
-    """RefusedError if something leaves the box."""
-    parts = (fast, c.fast, "fast state"), (state, c.state, "state"), (out, c.out, "law's output")
-    for found, claimed, name in parts:
+def _compare(c: Certificate, box: Certificate) -> None:
+    """RefusedError if something leaves the box of ``c``."""
+    for name in ("fast", "state", "out"):
+        found, claimed = getattr(box, name), getattr(c, name)
         if not (found <= claimed).all():
             k, i = np.unravel_index(np.argmax(found / np.maximum(claimed, 1e-300)), found.shape)
             reach = f"{found[k, i]:.6g} of {claimed[k, i]:.6g}"
@@ -58,16 +58,15 @@ def latched(c: Certificate, box: Floats, samples: int, stages: int) -> list[floa
 
     RefusedError if a sample that begins there may leave the certificate's box, or one after them.
     """
-    c = replace(c, start=0.0 * c.start, disc=(0.0, c.disc[1]))
-    course, result = _Course(c), list[float]()
-    sample = _Sample(c, course, _Linear(c, course))
-    _compare(c, *_gathered(c, sample, _begun_within(c, sample, box)))
+    c = _without_start(c)
+    sample, result = _Sample(c), []
+    _compare(c, _gathered(c, sample, _begun_within(c, sample, box)))
     for _ in range(stages):
-        sample = _Sample(c, course, _Linear(c, course))
-        fast, state, out = _gathered(c, sample, _standing(c, sample, samples))
-        _compare(c, fast, state, out)
-        c = replace(c, fast=fast, state=state, out=out)
-        result.append(float(_distance(c, course, fast)[0]))
+        sample = _Sample(c)
+        found = _gathered(c, sample, _standing(c, sample, samples))
+        _compare(c, found)
+        c = found
+        result.append(float(_distance(c, sample.course)[0]))
     return result
 
 
@@ -76,23 +75,20 @@ def in_the_long_run(c: Certificate) -> float:
 
     What its begin adds decays, so it comes into the box of all else, and so on.
     """
-    c, course = replace(c, start=0.0 * c.start, disc=(0.0, c.disc[1])), _Course(c)
+    c = _without_start(c)
     for _ in range(ROUNDS):
-        parts = zip(_reached(c, course), (c.fast, c.state, c.out), strict=True)
-        fast, state, out = (np.minimum(found, before) for found, before in parts)
-        c = replace(c, fast=fast, state=state, out=out)
-    return float(_distance(c, course, c.fast)[0])
+        sample = _Sample(c)
+        c = _gathered(c, sample, _standing(c, sample))
+    return float(_distance(c, sample.course)[0])
 
 
-def _reached(c: Certificate, course: _Course) -> tuple[Floats, Floats, Floats]:
-    """Largest fast state, state and outputs, while all is within the box."""
-    sample = _Sample(c, course, _Linear(c, course))
-    return _gathered(c, sample, (_run if c.lags else _standing)(c, sample))
+def _without_start(c: Certificate) -> Certificate:
+    return replace(c, start=0.0 * c.start, disc=(0.0, 0))
 
 
-def _distance(c: Certificate, course: _Course, fast: Floats) -> Floats:
-    ways = slice(course.nz, fast.shape[1] - 2 * len(c.pairs))
-    off = np.abs(c.fine[:, :, :2] @ course.rows[ways, :2].T).max(axis=1) + fast[:, ways]
+def _distance(c: Certificate, course: _Course) -> Floats:
+    ways = slice(course.nz, c.fast.shape[1] - 2 * len(c.pairs))
+    off = np.abs(c.fine[:, :, :2] @ course.rows[ways, :2].T).max(axis=1) + c.fast[:, ways]
     return (off.max(axis=1) / cos(pi / (2 * off.shape[1])) + c.aside[:, 0]) * OUT
 
 
@@ -113,8 +109,8 @@ class _Course:
         queue = nz + COMMAND * c.queue
         sent = np.hstack([c.outs[:, :COMMAND], c.states[:-1, nz:queue]])
         after = [c.fine[:, -1], sent[:, : COMMAND * c.queue], c.outs[:, COMMAND:]]
-        begun = np.array_equal(c.fine[:, 0], c.states[:-1, :nz])
-        if not (begun and np.array_equal(np.hstack(after), c.states[1:])):
+        ended = np.hstack([c.fine[:, 0], *after])
+        if not np.array_equal(ended, np.hstack([c.states[:-1, :nz], c.states[1:]])):
             raise RefusedError("a sample begins with something else than the last one ended in")
         memory = range(queue, queue + c.memory)
         self.order = [*range(ROBOT), *memory, *range(nz, queue), *range(memory.stop, self.n)]
@@ -126,40 +122,27 @@ class _Course:
         every = np.hstack([c.fast, c.state[:-1], c.out])
         differs = np.append(True, (every[1:] != every[:-1]).any(axis=1))
         self.first, self.kind = np.flatnonzero(differs), np.cumsum(differs) - 1
-        count, rows = c.fast.shape[1] - nz - 2 * len(c.pairs), [*np.eye(nz)]
-        for angle in (k * pi / count for k in range(count)):
-            rows.append(cos(angle) * rows[0] + sin(angle) * rows[1])
-        for (a, b), ratio in zip(c.pairs, c.ratios, strict=True):
-            rows += [rows[a] + sign * ratio * rows[b] for sign in (1, -1)]
-        self.rows = np.array(rows)
+        count, unit = c.fast.shape[1] - nz - 2 * len(c.pairs), np.eye(nz)
+        angles = [k * pi / count for k in range(count)]
+        ways = [cos(angle) * unit[0] + sin(angle) * unit[1] for angle in angles]
+        pairs = zip(c.pairs, c.ratios, strict=True)
+        sums = [unit[a] + sign * ratio * unit[b] for (a, b), ratio in pairs for sign in (1, -1)]
+        self.rows = np.array([*unit, *ways, *sums])
 
-    def least(self, each: Floats) -> Floats:
-        """Smallest entries of an array of samples, kind by kind."""
-        return np.asarray(np.minimum.reduceat(each, self.first))
-
-    def most(self, each: Floats) -> Floats:
-        """Largest entries."""
-        return np.asarray(np.maximum.reduceat(each, self.first))
+    def ends(self, each: Floats) -> Floats:
+        """Smallest and largest entries (2, kinds, ...) of an array of samples."""
+        return np.array([part.reduceat(each, self.first) for part in (np.minimum, np.maximum)])
 
 
-@dataclass(frozen=True)
-class _Boxes:
-    """Deviations of the law's variables and of plant steps' (kinds, any), and products of two."""
-
-    seen: Floats
-    by_seen: Floats
-    moved: Floats
-    by_moved: Floats
-
-
-def _boxes(c: Certificate, course: _Course, error: Floats) -> _Boxes:
+def _boxes(c: Certificate, course: _Course, error: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Deviations of the law's variables (kinds, any), products of two; plant steps' as well."""
     fast, state, out = (part[course.first] for part in (c.fast, c.state, c.out))
     K, robot = len(fast), fast[:, :ROBOT]
     products = robot[:, :, None] * robot[:, None]
     sums = fast[:, len(course.rows) - 2 * len(c.pairs) :].reshape(K, -1, 2).max(axis=2) ** 2
-    for k, (a, b) in enumerate(c.pairs):
-        least = np.minimum(products[:, a, b], sums[:, k] / (4 * c.ratios[k]))
-        products[:, a, b] = products[:, b, a] = least
+    a, b = np.array(c.pairs).T
+    least = np.minimum(products[:, a, b], sums / (4 * c.ratios))
+    products[:, a, b] = products[:, b, a] = least
     seen, begun = state[:, course.order], state[:, :ROBOT]
     seen[:, :ROBOT] += error
     by_seen, mixed = seen[:, :, None] * seen[:, None], begun[:, :, None] * error
@@ -173,7 +156,7 @@ def _boxes(c: Certificate, course: _Course, error: Floats) -> _Boxes:
     moved = np.hstack([fast[:, : course.nz], acts, known])
     by_moved = moved[:, :, None] * moved[:, None]
     by_moved[:, :ROBOT, :ROBOT] = products
-    return _Boxes(seen, by_seen * OUT, moved, by_moved * OUT)
+    return seen, by_seen * OUT, moved, by_moved * OUT
 
 
 class _Linear:
@@ -188,44 +171,44 @@ class _Linear:
         """RefusedError if a limit may act on the box."""
         law, step, outs = Graph(c.law), Graph(c.step), course.outs
         seen, moved, K = course.seen, course.moved, len(course.first)
-        shown = law.values(seen, seen)
+        shown = law.values(np.array([seen, seen]))
         level = most(shown)[:, outs:]
-        room = Graph(c.sizes).values(seen, seen)[0] / OUT - c.lower * OUT
+        room = Graph(c.sizes).values(np.array([seen, seen]))[0] / OUT - c.lower * OUT
         if not ((level + c.out[:, COMMAND:]) * OUT <= room).all():
             raise RefusedError("a limit may act on its box")
 
         place = c.pose + c.reckoned[:COMMAND]
         error = np.array([*place, c.reckoned[2], *c.velocity])
-        box, at = _boxes(c, course, error), (course.least(seen), course.most(seen))
-        passed = course.least(moved), course.most(moved)
-        by_law, by_step = law.slopes(*at), step.slopes(*passed)
-        (self.by_law, law_off), (self.by_step, step_off) = map(_middle, (by_law, by_step))
-        off, more = each(law_off, box.seen), each(step_off, box.moved[:, None])
-        off += law.second_order(*at, box.seen, box.by_seen)
-        low, high = passed[0].min(axis=1), passed[1].max(axis=1)
-        more += step.second_order(low, high, box.moved, box.by_moved)[:, None]
+        size, products, wide, by_wide = _boxes(c, course, error)
+        at, passed = course.ends(seen), course.ends(moved)
+        self.by_law, law_off = _middle(law.slopes(at))
+        self.by_step, step_off = _middle(step.slopes(passed))
+        off = each(law_off, size) + law.second_order(at, size, products)
+        passed = np.array([passed[0].min(axis=1), passed[1].max(axis=1)])
+        more = each(step_off, wide[:, None])
+        more += step.second_order(passed, wide, by_wide)[:, None]
 
-        rest = most([end[:, :outs] - c.outs for end in shown])
-        off[:, :outs] += course.most(rest) + c.law_gap
+        rest = most(shown[..., :outs] - c.outs)
+        off[:, :outs] += course.ends(rest)[1] + c.law_gap
         acts = np.abs(c.outs[:, :COMMAND]) - c.out[:, :COMMAND] - c.command > c.dead
-        off[:, :COMMAND] += c.command + course.most(np.where(acts, 0.0, c.dead))
-        after = step.values(moved, moved)
-        still = 0.0 if c.lags else sum(end[0, 0] for end in after) / 2 - c.fine[0, 1]
+        off[:, :COMMAND] += c.command + course.ends(np.where(acts, 0.0, c.dead))[1]
+        after = step.values(np.array([moved, moved]))
+        still = 0.0 if c.lags else after[:, 0, 0].mean(axis=0) - c.fine[0, 1]
         self.constant = np.zeros(course.nz) + still
-        rest = most([end - c.fine[:, 1:] - still for end in after])
-        more += course.most(rest) * OUT
+        more += course.ends(most(after - c.fine[:, 1:] - still))[1] * OUT
         more += np.abs(self.by_step[..., -COMMAND:]) @ c.wide + c.step_gap
         self.law, self.step = off * OUT, more * OUT
-        changes = course.most(level + c.out[:, COMMAND:])[:, -COMMAND:] + 2 * (c.command + c.dead)
+        changes = course.ends(level + c.out[:, COMMAND:])[1, :, -COMMAND:]
+        changes += 2 * (c.command + c.dead)
         known = np.tile(np.concatenate([error, [1.0]]), (K, 1))
         late = (changes[:, None] * c.off).reshape(K, -1)
         push = np.tile(c.push, (K, 1))
         self.given = np.hstack([off[:, :COMMAND], push, late, known]) * OUT
 
 
-def _middle(ends: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    middle = (ends[0] + ends[1]) / 2
-    return middle, most([end - middle for end in ends]) * OUT
+def _middle(ends: Floats) -> tuple[Floats, Floats]:
+    middle = ends.mean(axis=0)
+    return middle, most(ends - middle) * OUT
 
 
 class _Sample:
@@ -235,12 +218,14 @@ class _Sample:
     the state a sample later; ``box`` (K, n): what else is added to it.  ``rows`` (K, any, any):
     fast state's rows, the rest of the state, fast state's rows at other knots, command and
     conditions; ``apart`` (knots; K, rows): how far off rows are at a knot, and beside two until the
-    next one, if anything is between; ``direct``: errors of command and conditions.
+    next one, -inf if nothing is between; ``direct``: errors of command and conditions.
     """
 
-    def __init__(self, c: Certificate, course: _Course, linear: _Linear) -> None:
+    def __init__(self, c: Certificate) -> None:
+        course = self.course = _Course(c)
+        linear = _Linear(c, course)
         K, n, nz, outs, steps = len(course.first), course.n, course.nz, course.outs, course.steps
-        self.n, self.given, self.course = n, linear.given, course
+        self.n, self.given = n, linear.given
         wide, full = n + self.given.shape[1], np.hstack([c.state[course.first], self.given])
         shown = np.zeros((K, linear.law.shape[1], wide))
         shown[:, :, course.order] = linear.by_law
@@ -257,21 +242,17 @@ class _Sample:
                 late = unit[:, n + COMMAND * (2 + phase) : n + COMMAND * (3 + phase)]
                 acts = (1 - c.share[phase]) * acts + c.share[phase] * sent[age + 1] + late
             given = np.concatenate([now, acts, push], axis=1)
-            rough = (
-                np.abs(by_step) @ (np.abs(given) @ full[:, :, None])
-                + np.abs(still) @ full[0, :, None]
-            )
-            off = (
-                each(np.abs(by_step[:, :, :nz]), off) + linear.step[:, s] + UNIT * rough[..., 0]
-            ) * OUT
+            rough = each(np.abs(by_step), each(np.abs(given), full)) + np.abs(still) @ full[0]
+            held = each(np.abs(by_step[:, :, :nz]), off)
+            off = (held + linear.step[:, s] + UNIT * rough) * OUT
             now = by_step @ given + still
             courses.append(now)
             offs.append(off)
         self.next = np.concatenate([now, *sent[: c.queue], shown[:, COMMAND:outs]], axis=1)
-        self.box = course.most(c.gap) + UNIT * each(np.abs(self.next), full)
+        self.box = course.ends(c.gap)[1] + UNIT * each(np.abs(self.next), full)
         self.box[:, :nz] += off
         self.box[:, n - outs + COMMAND :] += linear.law[:, COMMAND:outs]
-        self.apart, sizes = list[tuple[Floats, Floats | None]](), np.abs(course.rows).T
+        self.apart, sizes = [], np.abs(course.rows).T
         for a, b in zip(c.knots, [*c.knots[1:], steps], strict=True):
             beside = np.zeros((K, nz))
             for s in range(a + 1, b):
@@ -280,7 +261,7 @@ class _Sample:
                 rough = UNIT * (np.abs(courses[a]) + np.abs(courses[b]))
                 beside = np.maximum(beside, each(np.abs(chord) + rough, full) + offs[s])
             ended = off if b == steps else 0.0  # counts at the end already
-            inner = (beside - ended) @ sizes if b > a + 1 else None
+            inner = np.where(b > a + 1, (beside - ended) @ sizes, -np.inf)
             self.apart.append((offs[a] @ sizes, inner))
         read = [*range(COMMAND), *range(outs, shown.shape[1])]
         self.direct, within = linear.law[:, read], [course.rows @ courses[a] for a in c.knots]
@@ -323,8 +304,7 @@ class _Answers:
             part = slice(first, first + width)
             seen = np.abs(rows[:, : self.n] @ self.columns[..., part])
             total += (seen @ self.weights[:, part, None]).sum(axis=0)[:, 0]
-            if self.pose:
-                total += np.hypot(*seen[self.pair : -self.n]).sum(axis=1) * self.pose
+            total += np.hypot(*seen[self.pair : -self.n]).sum(axis=1) * self.pose
         return np.asarray((total + UNIT * np.abs(rows[:, : self.n]) @ state) * OUT)
 
 
@@ -350,9 +330,7 @@ def _run(c: Certificate, sample: _Sample) -> Floats:
         if 2 * count < k < K - 1 and (kinds[k - 2 * count - 1 : k + 2] == kind).all():
             reached.append(reached[-1])  # nothing differs from a sample ago
             continue
-        rows = sample.rows[kind].copy()
-        if k == K:
-            rows[:, n:] = 0.0
+        rows = sample.rows[kind]
         most = answers.reach(rows, kind, c.state[k])
         reached.append(most + (_started(rows[:, :n] @ begun) if k < count else 0.0))
         if k == K:
@@ -413,16 +391,14 @@ def _standing(c: Certificate, sample: _Sample, samples: int = LONGEST) -> Floats
     return np.array([reached, reached])
 
 
-def _gathered(c: Certificate, sample: _Sample, reached: Floats) -> tuple[Floats, Floats, Floats]:
-    """Largest fast state within samples, state at samples, and outputs, from those of rows."""
+def _gathered(c: Certificate, sample: _Sample, reached: Floats) -> Certificate:
+    """The certificate with the largest values of rows for its box."""
     count, nz, further = c.fast.shape[1], c.fine.shape[2], len(c.knots) - 1
     ends = np.cumsum([count, sample.n - nz, *[count] * further])
     begin, rest, *knots, out = np.split(reached, ends, axis=1)
     course = [item[:-1] for item in (begin, *knots)] + [begin[1:]]
-    kinds, fast = sample.course.kind, list[Floats]()
+    kinds, fast = sample.course.kind, []
     for k, (here, beside) in enumerate(sample.apart):
-        fast.append(course[k] + here[kinds])
-        if beside is not None:
-            fast.append(np.maximum(*course[k : k + 2]) + beside[kinds])
-    state = np.hstack([begin[:, :nz], rest])
-    return np.max(fast, axis=0) * OUT, state, (out[:-1] + sample.direct[kinds]) * OUT
+        fast += [course[k] + here[kinds], np.maximum(*course[k : k + 2]) + beside[kinds]]
+    state, out = np.hstack([begin[:, :nz], rest]), (out[:-1] + sample.direct[kinds]) * OUT
+    return replace(c, fast=np.max(fast, axis=0) * OUT, state=state, out=out)

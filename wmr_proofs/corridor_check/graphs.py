@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from .intervals import Floats, Interval, Program, most
+from .intervals import Floats, Program, most, outwards
 
 OUT, PARTS, AT_ONCE = 1 + 1e-10, 8, 4000
 """Growth for sums of up to 800,000 rounded terms, all >= 0; parts of the way to a deviation; places
@@ -18,7 +18,7 @@ class Graph:
     def __init__(self, function: ca.Function) -> None:
         by, numbers = (ca.SX.sym(name, function.numel_in(k)) for k, name in enumerate("bn"))
         output = ca.densify(function(by, numbers))
-        self.size, self.shape = by.numel(), (output.numel(), by.numel())
+        self.shape = output.numel(), by.numel()
         slope = ca.jacobian(output, by)
         bent = ca.jacobian(ca.vec(slope.nz[:]), by)
         self._places = np.array(slope.sparsity().get_triplet(), dtype=int).reshape(2, -1)
@@ -29,28 +29,30 @@ class Graph:
             Program(given, parts) for parts in ([output], [slope], [bent, slope, output])
         )
 
-    def slopes(self, low: Floats, high: Floats) -> Interval:
-        """Ends (..., outputs, variables)."""
-        ends = self._slopes(low, high)
-        result = np.zeros((2, *low.shape[:-1], *self.shape))
-        result[:, ..., self._places[0], self._places[1]] = ends
-        return result[0], result[1]
+    def slopes(self, given: Floats) -> Floats:
+        """Ends (2, ..., outputs, variables)."""
+        ends = self._slopes(given)
+        result = np.zeros((*ends.shape[:-1], *self.shape))
+        result[..., self._places[0], self._places[1]] = ends
+        return result
 
-    def second_order(self, low: Floats, high: Floats, sizes: Floats, products: Floats) -> Floats:
+    def second_order(self, given: Floats, sizes: Floats, products: Floats) -> Floats:
         """Largest second-order sums (K, outputs) beside points within ends, by Taylor's integral.
 
         Deviations are up to ``sizes`` (K, variables), with ``products`` of two.
         """
         outputs, one, two = self.bends
-        result = np.zeros((len(low), self.shape[0]))
+        result = np.zeros((len(sizes), self.shape[0]))
         weights = np.array([2 * (PARTS - k) - 1 for k in range(PARTS)]) / (2 * PARTS**2)
         share = np.arange(1, PARTS + 1)[:, None] / PARTS * OUT
-        for k in range(0, len(low), AT_ONCE // PARTS):
+        for k in range(0, len(sizes), AT_ONCE // PARTS):
             at = slice(k, k + AT_ONCE // PARTS)
-            wide = np.zeros((len(low[at]), PARTS, low.shape[1]))
-            wide[..., : self.size] = share * sizes[at, None]
-            ends = self._bent(*_beside(low[at, None], high[at, None], wide))
-            bent = np.tensordot(weights, most(ends)[..., : len(one)], (0, 1))
+            ends = np.repeat(given[:, at, None], PARTS, axis=2)
+            wide = share * sizes[at, None]
+            low, high = ends[..., : sizes.shape[1]]
+            beside = np.where(wide > 0, outwards([low - wide, high + wide]), [low, high])
+            ends[..., : sizes.shape[1]] = beside
+            bent = np.tensordot(weights, most(self._bent(ends))[..., : len(one)], (0, 1))
             np.add.at(result[at].T, outputs, (bent * products[at][:, one, two]).T)
         return result * OUT
 
@@ -58,9 +60,3 @@ class Graph:
 def each(matrices: Floats, vectors: Floats) -> Floats:
     """Products of matrices (..., m, n) with vectors (..., n)."""
     return np.asarray((matrices @ vectors[..., None])[..., 0])
-
-
-def _beside(low: Floats, high: Floats, wide: Floats) -> Interval:
-    """Ends with more on both sides; exactly those where there is none."""
-    ends = np.nextafter(low - wide, -np.inf), np.nextafter(high + wide, np.inf)
-    return np.where(wide > 0, ends[0], low), np.where(wide > 0, ends[1], high)
