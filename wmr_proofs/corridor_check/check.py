@@ -188,8 +188,7 @@ class _Linear:
         more = each(step_off, wide[:, None])
         more += step.second_order(passed, wide, by_wide)[:, None]
 
-        rest = most(shown[..., :outs] - c.outs)
-        off[:, :outs] += course.ends(rest)[1] + c.law_gap
+        off[:, :outs] += course.ends(most(shown[..., :outs] - c.outs))[1] + c.law_gap
         acts = np.abs(c.outs[:, :COMMAND]) - c.out[:, :COMMAND] - c.command > c.dead
         off[:, :COMMAND] += c.command + course.ends(np.where(acts, 0.0, c.dead))[1]
         after = step.values(np.array([moved, moved]))
@@ -200,10 +199,9 @@ class _Linear:
         self.law, self.step = off * OUT, more * OUT
         changes = course.ends(level + c.out[:, COMMAND:])[1, :, -COMMAND:]
         changes += 2 * (c.command + c.dead)
-        known = np.tile(np.concatenate([error, [1.0]]), (K, 1))
+        known = np.tile(np.concatenate([c.push, error, [1.0]]), (K, 1))
         late = (changes[:, None] * c.off).reshape(K, -1)
-        push = np.tile(c.push, (K, 1))
-        self.given = np.hstack([off[:, :COMMAND], push, late, known]) * OUT
+        self.given = np.hstack([off[:, :COMMAND], late, known]) * OUT
 
 
 def _middle(ends: Floats) -> tuple[Floats, Floats]:
@@ -214,7 +212,7 @@ def _middle(ends: Floats) -> tuple[Floats, Floats]:
 class _Sample:
     """Matrices of K kinds of samples by the state at their begin and by inputs.
 
-    Inputs: command's error, push, late commands, measured errors, a constant. ``next`` (K, n, any):
+    Inputs: command's error, late commands, push, measured errors, a constant. ``next`` (K, n, any):
     the state a sample later; ``box`` (K, n): what else is added to it.  ``rows`` (K, any, any):
     fast state's rows, the rest of the state, fast state's rows at other knots, command and
     conditions; ``apart`` (knots; K, rows): how far off rows are at a knot, and beside two until the
@@ -233,13 +231,13 @@ class _Sample:
         unit = np.broadcast_to(np.eye(wide), (K, wide, wide))
         sent = [shown[:, :COMMAND] + unit[:, n : n + COMMAND]]
         sent += [unit[:, nz + COMMAND * k : nz + COMMAND * (k + 1)] for k in range(c.queue)]
-        push, now, off = unit[:, n + COMMAND : n + 2 * COMMAND], unit[:, :nz], np.zeros((K, nz))
+        push, now, off = unit[:, -1 - ROBOT - COMMAND : -1 - ROBOT], unit[:, :nz], np.zeros((K, nz))
         courses, offs, slopes = [now], [off], linear.by_step[..., :-COMMAND]
         still = np.outer(linear.constant, np.eye(wide)[-1])
         for s, age in enumerate(course.ages):
             phase, acts, by_step = (s - c.late) % steps, sent[age], slopes[:, s]
             if phase < len(c.share):
-                late = unit[:, n + COMMAND * (2 + phase) : n + COMMAND * (3 + phase)]
+                late = unit[:, n + COMMAND * (1 + phase) : n + COMMAND * (2 + phase)]
                 acts = (1 - c.share[phase]) * acts + c.share[phase] * sent[age + 1] + late
             given = np.concatenate([now, acts, push], axis=1)
             rough = each(np.abs(by_step), each(np.abs(given), full)) + np.abs(still) @ full[0]
@@ -264,9 +262,9 @@ class _Sample:
             inner = np.where(b > a + 1, (beside - ended) @ sizes, -np.inf)
             self.apart.append((offs[a] @ sizes, inner))
         read = [*range(COMMAND), *range(outs, shown.shape[1])]
-        self.direct, within = linear.law[:, read], [course.rows @ courses[a] for a in c.knots]
-        every = [within[0], unit[:, nz:n], *within[1:], shown[:, read]]
-        self.rows = np.concatenate(every, axis=1)
+        begin, *knots = (course.rows @ courses[a] for a in c.knots)
+        self.rows = np.concatenate([begin, unit[:, nz:n], *knots, shown[:, read]], axis=1)
+        self.direct = linear.law[:, read]
 
 
 class _Answers:
