@@ -194,6 +194,7 @@ def test_another_delay_other_pairs_or_another_course_are_refused(circle, eight):
         moved[place] += 1.0
         wrong.append(replace(eight, **{name: moved}))
     wrong += [replace(eight, body=eight.body[:1] + 0 * eight.body), replace(eight, lags=20)]
+    wrong += [replace(circle, knots=k) for k in ([], [1], [0, 0], [0, circle.fine.shape[1] - 1])]
     for written in wrong:
         with pytest.raises(RefusedError):
             check(written)

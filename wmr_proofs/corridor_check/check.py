@@ -112,6 +112,8 @@ class _Course:
         ended = np.hstack([c.fine[:, 0], *after])
         if not np.array_equal(ended, np.hstack([c.states[:-1, :nz], c.states[1:]])):
             raise RefusedError("a sample begins with something else than the last one ended in")
+        if c.knots[:1] != [0] or c.knots != sorted(set(c.knots) & set(range(self.steps))):
+            raise RefusedError("rows are summed up at other times than those of plant steps")
         memory = range(queue, queue + c.memory)
         self.order = [*range(ROBOT), *memory, *range(nz, queue), *range(memory.stop, self.n)]
         self.seen = np.hstack([c.states[:-1, self.order], c.law_numbers])
