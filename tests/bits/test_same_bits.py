@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.bits.cases import bits_of, different
 from tests.bits.platforms import HERE, Platform, differences
 from tests.compilers import ARM, NODE, QEMU, SIMD128, WASM, WINE, ZIG
 from wmr_ctrl.codegen.compiler import UNFUSED
@@ -55,3 +56,11 @@ def test_platforms_agree(name, law, tmp_path):
     ``python -m tests.bits`` takes every law and case on every platform.
     """
     assert differences(EVERYWHERE[name], law, ["everything"], tmp_path) == []
+
+
+def test_a_single_bit_is_seen_and_placed():
+    bits = bytearray(bits_of("mb", "plain"))
+    assert different("mb", "plain", bits) == ""
+    assert different("mb", "plain", bits[:-8]).endswith(f"for {len(bits)}")
+    bits[8] ^= 1
+    assert different("mb", "plain", bits).startswith("mb, plain: row 0 ")

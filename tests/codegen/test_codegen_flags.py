@@ -122,6 +122,19 @@ def instructions(folder, compiler, units, *words):
     return [(folder / unit).with_suffix(".s").read_text("utf-8") for unit in units]
 
 
+@pytest.mark.parametrize("flag", ["", *(flag for flag in FLAGS if flag != "-fassociative-math")])
+def test_gcc_before_12_refuses_without_its_newer_macros(flag, tmp_path):
+    """Its version and macros are feigned: it tells such flags by __GCC_IEC_559 alone.
+
+    It ignores -fassociative-math without -fno-signed-zeros.
+    """
+    needs("gcc")
+    written("law", tmp_path)
+    older = ["-U__GNUC__", "-D__GNUC__=11", *NO_MACROS[:3]]
+    done = compiled(tmp_path, "gcc", *flag.split(), *older, "-fsyntax-only", "wmr_nn.c")
+    assert bool(flag) == (REFUSALS[0] in done.stderr), done.stderr
+
+
 @pytest.mark.parametrize("compiler", ["gcc", "gcc-11"])
 @pytest.mark.parametrize("kind", ["law", "law-float32", "filter", "filter-float32"])
 @pytest.mark.slow_but("filter-gcc", "law-float32-gcc")

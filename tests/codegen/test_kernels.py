@@ -5,10 +5,11 @@ import pytest
 
 from tests.commands import finished
 from tests.compilers import where
-from wmr_ctrl.codegen.build import build_loop, program_of
+from wmr_ctrl.codegen.build import LOOP, NATIVE, build_loop, program_of, unity
 from wmr_ctrl.codegen.kernels import loop_kernels
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.signals import elements
+from wmr_ctrl.results import write_all
 from wmr_ctrl.simulation.memory import REALS, opened
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.scenario import load_scenario
@@ -49,6 +50,17 @@ def test_a_logged_sample_equals_the_virtual_machine(law):
             wanted = other.full().ravel()
             near = 1e-13 * (1 + abs(wanted).max(initial=0))
             assert one == pytest.approx(wanted, rel=1e-13, abs=near)
+
+
+@pytest.mark.parametrize("compiler, lanes", [("gcc", 0), ("gcc", 4), ("clang", 0)])
+@pytest.mark.slow_but("gcc-0")
+def test_sources_compile_without_a_warning(compiler, lanes, tmp_path):
+    program = program_of(settle(SCENARIO, "nn"))
+    files = unity(program.generated_lanes, LOOP) if lanes else unity(program.generated)
+    write_all(files, tmp_path)
+    unit = f"{LOOP[0]} -DWMR_SET=four -DWMR_LANES=4 -mavx2" if lanes else NATIVE[0]
+    warnings = "-std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -c"
+    finished([where(compiler), *warnings.split(), *unit.split()], cwd=tmp_path)
 
 
 def test_only_marked_names_leave_the_library():

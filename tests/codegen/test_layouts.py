@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.codegen.measured import FILTERS
-from tests.codegen.test_package import needs, run
+from tests.codegen.test_package import WARNINGS, needs, run
 from tests.commands import flat
 from wmr_ctrl.cli import root
 from wmr_ctrl.codegen.layouts import VERSION
@@ -119,6 +119,22 @@ def two_packages(folder, layout=None):
 
 def with_main(folder):
     (folder / "both.c").write_text(BOTH, "utf-8")
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("language", ["gcc -std=c99", "g++ -std=c++11 -x c++"])
+def test_packages_of_both_precisions_are_in_one_file(language, order, tmp_path):
+    """Numbers have the precision of the package that is included first."""
+    needs("g++")
+    two_packages(tmp_path)
+    headers = ['#include "wmr_prox.h"\n', '#include "wmr_filter.h"\n']
+    text = BOTH.replace("".join(headers), "".join(headers[::order]))
+    real = "sizeof(wmr_real) != "
+    (tmp_path / "both.c").write_text(text.replace(f"{real}8", f"{real}{8 if order > 0 else 4}"))
+    command = [*language.split(), *WARNINGS[1:], "-Iwmr_prox", "-Iwmr_filter", "-c"]
+    run([*command, "both.c", "wmr_prox/wmr_prox.c", "wmr_filter/wmr_filter.c"], tmp_path)
+    run(["g++", "both.o", "wmr_prox.o", "wmr_filter.o", "-lm", "-o", "both"], tmp_path)
+    run(["./both"], tmp_path)
 
 
 def test_packages_are_in_one_cmake_project(tmp_path):

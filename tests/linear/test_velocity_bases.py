@@ -1,5 +1,6 @@
 """Poles and margins of bases that take velocities, against what the margins are margins of."""
 
+import numpy as np
 import pytest
 
 from wmr_ctrl.control.setup import settle
@@ -25,6 +26,22 @@ def test_the_gain_margin_is_the_gain_of_the_base_that_makes_it_unstable(burger, 
     there = override(burger, {"base.gain": gains})
 
     assert largest_radius(loop_of(settle(there, "prox")), T) == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("law", ["mb", "kanayama"])
+@pytest.mark.slow
+def test_poles_are_those_of_the_closed_loop_as_an_object_and_of_checks_radius(burger, law):
+    off = override(burger, {"base.gain": [1.2, 0.9]})
+    page = report_linear(off, law)
+    poles = closed_loop(off, law, period=T).poles()
+    told = np.exp(np.array([complex(*pair) for pair in page.to_json()["poles"]]) * T)
+
+    assert page.rest > 1e-3
+    assert page.stable
+    assert max(np.abs(poles - pole).min() for pole in told) < 1e-6
+    assert page.spectral_radius == pytest.approx(np.abs(told).max(), abs=1e-9)
+    assert page.spectral_radius == pytest.approx(largest_radius(loop_of(settle(off, law)), T))
+    assert "omega command, 0.05 s" in page.table()
 
 
 def test_what_has_no_meaning_there_is_refused_with_a_remedy(burger):

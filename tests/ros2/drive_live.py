@@ -13,7 +13,19 @@ from functools import partial
 import rclpy
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
-from outside import KEPT, PATIENCE, Base, has_changed, has_set, start_drive, tell
+from outside import (
+    ACTIVATE,
+    CLEAN_UP,
+    CONFIGURE,
+    DEACTIVATE,
+    KEPT,
+    PATIENCE,
+    Base,
+    has_changed,
+    has_set,
+    start_drive,
+    tell,
+)
 
 TWIN = """
 import time, rclpy
@@ -25,7 +37,6 @@ print("there", flush=True)
 time.sleep(600)
 """
 """Somebody who publishes under the name of the node."""
-CONFIGURE, CLEAN_UP, ACTIVATE, DEACTIVATE = 1, 2, 3, 4
 PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
 
 

@@ -2,16 +2,33 @@
 
 ``python filter_live.py SCENARIO [NODE]`` runs the node (that in Python, or the program NODE, which
 has no parameters) in a namespace with remapped topics: frozen, killed and started again, with two
-senders, with parameters set; then on simulated time that stops, goes back and leaps ahead.  What
-was seen is printed as JSON.
+senders, with parameters set and another scenario; then on simulated time that stops, goes back and
+leaps ahead.  What was seen is printed as JSON.
 """
 
 import sys
+import time
 from functools import partial
+from pathlib import Path
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from outside import KEPT, PATIENCE, SURE, World, command_of, has_set, silence, start, tell
+from outside import (
+    ACTIVATE,
+    CLEAN_UP,
+    CONFIGURE,
+    DEACTIVATE,
+    KEPT,
+    PATIENCE,
+    SURE,
+    World,
+    command_of,
+    has_changed,
+    has_set,
+    silence,
+    start,
+    tell,
+)
 
 SPACE = ["-r", "__ns:=/robot1", "-r", "cmd_vel:=/base/cmd_vel", "-r", "odom:=/base/odom"]
 
@@ -35,6 +52,22 @@ def scaled(world):
     return found
 
 
+def reconfigured(world, scenario):
+    """Largest speed after cleanup and configuration with another scenario, half as fast."""
+    slower = Path(scenario).with_name("slower.toml")
+    text = Path(scenario).read_text("utf-8")
+    slower.write_text(text.replace("[1.0, 2.0]", "[0.5, 1.0]").replace("[0.7, 1.4]", "[0.4, 0.8]"))
+    changed = partial(has_changed, world.node, "wmr_filter")
+    assert changed(DEACTIVATE)
+    assert changed(CLEAN_UP)
+    assert has_set(world.node, "wmr_filter", "scenario", str(slower))
+    world.seen.clear()
+    assert changed(CONFIGURE)
+    assert changed(ACTIVATE)
+    world.go(3.0, command=lambda: world.command(5.0, 0.0))
+    return {"slower": max(row[1] for row in world.seen)}
+
+
 def in_a_namespace(scenario, node):
     again = partial(start, scenario, node, *SPACE, odometry="none")
     world, found = World(again()), {}
@@ -42,7 +75,10 @@ def in_a_namespace(scenario, node):
     try:
         world.drive()
         rival = publish(TwistStamped, "/base/cmd_vel", SURE)
+        began = time.monotonic()
         found["rival"] = world.until_said("other publishers")
+        times = began, *(row[0] for row in world.seen if row[0] > began), time.monotonic()
+        found |= {"rival after": times[-1] - began, "silence": silence(times)}
         world.node.destroy_publisher(rival)
         found["well"] = world.until_said("driving")
         deaf = hear(TwistStamped, "/base/cmd_vel", print, KEPT)
@@ -65,6 +101,7 @@ def in_a_namespace(scenario, node):
         world.drive()
         found |= world.killed(again, command=False)
         world.drive()
+        found |= {} if node else reconfigured(world, scenario)
     finally:
         world.process.kill()
         world.node.destroy_node()

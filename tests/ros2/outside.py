@@ -32,6 +32,8 @@ SURE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 KEPT = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
+CONFIGURE, CLEAN_UP, ACTIVATE, DEACTIVATE = 1, 2, 3, 4
+"""Transitions of a lifecycle."""
 RATE = 0.02
 SOON = "discovery_time:=0.0"
 """For nodes that need not look for others before they start."""

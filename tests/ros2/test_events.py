@@ -8,9 +8,11 @@ import pytest
 from tests.ros2.worlds import MS
 from tests.tables import changes
 from wmr_ctrl.control.filter.gate import GateSettings
+from wmr_ctrl.control.setup import settle
 from wmr_ctrl.ros2.clocks import Moment
+from wmr_ctrl.ros2.drive_core import DriveCore, DriveSettings
 from wmr_ctrl.ros2.filter_core import FilterCore
-from wmr_ctrl.world.scenario import load_scenario
+from wmr_ctrl.world.scenario import load_scenario, override
 
 EVENTS = 2_000
 GAIN, PUSH, RIM = 1.1, 0.05, 1.2
@@ -102,3 +104,29 @@ def test_a_filter_sends_what_it_may_whatever_comes(scenario, odometry, at_once):
     assert sum(map(any, sent)) > EVENTS / 100  # it was not at rest all the time
     fastest = max(at_the_rim(command, half_track) for command in sent)
     assert fastest > 0.99 * RIM or odometry == "required"  # which is seldom there for long
+
+
+def test_a_drive_sends_what_it_may_whatever_comes(scenario):
+    smooth = override(scenario, changes("robot.mu = 0.0; disturbance.std = 0.0; changes = []"))
+    core = DriveCore(settle(smooth, "kanayama"), DriveSettings())
+    chaos, pose, sent = Chaos(4), np.zeros(2), []
+    for _ in range(EVENTS // 4):
+        now, draw, gated = chaos.now(), chaos.draws.random(), None
+        core.see(now)
+        if draw < 0.75:
+            pose = pose + 0.001 * chaos.draws.normal(size=2)
+            rest, stamp, child = (0.0, 0.0, 0.0, 1.0, 0.2, 0.1), now.ros, "base_link"
+            if chaos.draws.random() > 0.9:
+                rest = *chaos.turn(), chaos.number(), chaos.number()
+                stamp, child = chaos.stamp(), chaos.frame("base_link")
+            _, gated = core.odometry((*map(float, pose), *rest), stamp, "odom", child, now)
+        elif draw < 0.98:
+            gated = core.tick(now)
+        elif draw < 0.985:
+            gated = core.halt(bool(chaos.draws.random() < 0.3), now)
+        else:
+            core.reset()
+        sent += [gated.command] if gated else []
+
+    assert all(inside(command, scenario.robot.l) for command in sent)
+    assert sum(map(any, sent)) > EVENTS / 1000

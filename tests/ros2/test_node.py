@@ -123,6 +123,7 @@ def test_diagnostics_say_who_else_is_there_and_where_all_is_well(live):
     found = live["space"]
 
     assert any("/base/cmd_vel" in text and "/robot1/outside" in text for text in found["rival"])
+    assert found["rival after"] < bar(found, 2.0)  # looked for each second; one may miss it
     assert "driving" in found["well"]
     assert any("another QoS" in text and "reaches it" in text for text in found["deaf"])
     assert any("twist_mux" in text for text in found["two senders"])
@@ -144,6 +145,10 @@ def test_the_share_of_commands_has_a_range(live):
     assert live["space"]["scale 7"] is False
     assert live["space"]["scale 0.25"] is True
     assert live["space"]["scaled"] == 0.125
+
+
+def test_configured_with_another_scenario_it_keeps_to_those_limits(report):
+    assert report("life, Python")["space"]["slower"] == pytest.approx((0.5 - 0.05) / 1.1)
 
 
 def falls_to_rest(speeds, before=0.5):

@@ -5,9 +5,10 @@ import re
 import numpy as np
 import pytest
 
+from tests.export.fmi.test_fmi_equality import assert_same
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
-from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.core.errors import ArgumentError, ScenarioError
 from wmr_ctrl.export.cosim import cosimulate
 from wmr_ctrl.export.cosim.run import CosimSetup
 from wmr_ctrl.results import summary
@@ -65,6 +66,24 @@ def test_the_guard_keeps_a_foreign_controller_within(eager):
     for name, torque in (("tau_right", 9.0), ("tau_left", 3.0)):
         assert free[name][5] == pytest.approx(torque, rel=1e-12)
         assert np.abs(run[name][quiet] - torque).max(initial=0.0) < 1e-11
+
+
+@pytest.mark.parametrize(
+    "law, version, master", [("pid", 2, None), ("nn", 3, None), ("mb", 2, "jacobi")]
+)
+@pytest.mark.slow
+def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(exported, law, version, master):
+    """Under the other master, it is that with the guard in the controller."""
+    given = {"seed": 4, "fmi": version} | ({"master": master} if master else {})
+    run = cosimulate(SAFE, controller=exported(law, version, BARE), **given)
+    guarded = cosimulate(SAFE, law, **given) if master else simulate(SAFE, law, seed=4)
+
+    assert guarded["clip_active"].any()
+    assert_same(run, guarded)
+    assert summary(run)["guard_share"] == summary(guarded)["guard_share"]
+    assert run.provenance["fmu_guard"].startswith("wmr_guard (")
+    with pytest.raises(ArgumentError, match=r"prox relies on the torque .* with the guard"):
+        cosimulate(SAFE, controller=exported("prox", 2, BARE))
 
 
 def test_a_guard_that_cannot_hold_is_refused_as_in_a_run(eager):

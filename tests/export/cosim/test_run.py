@@ -15,6 +15,7 @@ from fmpy.ssp.simulation import simulate_ssp
 
 from tests.commands import finished, flat
 from tests.export.cosim.foreign import FAILING, PLANT, PLANT_MAP
+from wmr_ctrl.api import simulate
 from wmr_ctrl.cli import root
 from wmr_ctrl.cli.summary import summary_text
 from wmr_ctrl.core.errors import ArgumentError, ScenarioError, UnknownNameError
@@ -143,6 +144,19 @@ def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path)
         export_ssp(**given, map_file=mapped(PLANT_MAP))
     with pytest.raises(ArgumentError, match=r"part \[plant\]"):
         export_ssp(**given)
+
+
+@pytest.mark.slow
+def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it():
+    """All at once, each torque acts a period late: as behind drives that are that late."""
+    own = {"clock.duration": 2.0, "initial.pose": [-1.0, -0.5, -0.7]}
+    base = load_scenario("safe-simulation", own)
+    late = override(base, {"actuator.delay": base.actuator.delay + base.clock.control})
+    native = simulate(late, "prox", seed=4)
+    run = cosimulate(base, "prox", master="jacobi", delay_known=True, seed=4)
+    for name in ("x", "y", "theta", "v1", "omega", "d_least"):
+        assert np.array_equal(run[name], native[name]), name
+    assert (run.monitor.bounds_left, run.provenance["delay"]) == (None, "known to the controller")
 
 
 def test_a_delay_that_the_master_adds_is_told_apart_where_it_is_too_long():

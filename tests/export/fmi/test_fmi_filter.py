@@ -37,6 +37,14 @@ def test_it_sends_what_a_run_sent_to_the_bit(version, raw):
     assert 0 < limited.mean() < 1
 
 
+def test_a_repeated_step_is_late_once_the_time_was_told(raw):
+    one, late = raw("filter", 3, scenario()).new().begin(), []
+    for k, since in enumerate((0.0, 0.0, 0.05, 0.0, 0.05)):
+        assert (one.put({"elapsed": since}), one.step(0.05 * k, 0.05)) == (OK, OK)
+        late += one.get("late")
+    assert late == [0.0, 0.0, 0.0, 1.0, 0.0]
+
+
 def test_what_is_no_number_is_refused_and_what_contradicts_the_bounds_is_told(raw):
     fmu = raw("filter", 2, scenario())
     instance = fmu.new().begin()

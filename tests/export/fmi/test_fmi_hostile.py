@@ -2,7 +2,7 @@
 
 import ctypes as ct
 import math
-from itertools import product
+from itertools import pairwise, product
 
 import pytest
 from fmpy.fmi3 import fmi3IntermediateUpdateCallback
@@ -141,6 +141,17 @@ def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
         fmu = raw("closed-loop", version)
         wrong, right = (0.01 / 2e5, 0.004, 0.02), (0.01, 0.01 / 1e4)
         begins(fmu, "clock.plant", *product(wrong, [ERROR]), *product(right, [OK]))
+
+
+@pytest.mark.parametrize("version, rest", [(2, 5e-6), (3, 5e-6), (2, 5e-4)])
+def test_a_rest_of_a_step_is_a_step_however_short(raw, version, rest):
+    found = []
+    for times in ([0.0, 0.01 + rest], [0.0, 0.01, 0.01 + rest]):
+        one = raw("plant", version).new().begin()
+        assert one.put({"tau_right": 2.0, "tau_left": 1.0}) == OK
+        assert {one.step(start, end - start) for start, end in pairwise(times)} == {OK}
+        found.append(one.get(*STATE))
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
 
 
 def test_states_of_solvers_must_be_numbers(raw):

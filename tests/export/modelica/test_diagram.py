@@ -121,6 +121,19 @@ def test_the_loop_is_a_diagram(text, model):
     assert ((low < everything) & (everything < high)).all()
 
 
+@pytest.mark.parametrize("part", PARTS[:3])
+def test_a_block_around_an_fmu_is_a_diagram(text, part):
+    """Lines run from each port of the block to the FMU's port of that name."""
+    body, outer = classes(text, "block", f"{part.capitalize()}Fmu"), ports(text, part)
+    fmu = placed(body, r"(Fmu) (fmu)")["fmu"]
+    drawn = lines(body)
+    assert len(drawn) == body.count("connect(") == len(outer)
+    for ends, points in drawn.items():
+        for end, point in zip(ends, points, strict=True):
+            within, _, name = end.rpartition(".")
+            assert np.allclose(fmu.at(outer[name]) if within else outer[name].middle, point)
+
+
 def test_ports_are_spread_over_an_edge_and_wires_join_equal_names():
     assert [place.x for place in edge(["a", "b", "c"], -100, 90).values()][1] == 0
     parts = places_of_parts(["d"], ["d", "v"], ["tau"], ["tau", "push"], ["v"])
