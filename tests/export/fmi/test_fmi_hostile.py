@@ -146,12 +146,13 @@ def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
 @pytest.mark.parametrize("version, rest", [(2, 5e-6), (3, 5e-6), (2, 5e-4)])
 def test_a_rest_of_a_step_is_a_step_however_short(raw, version, rest):
     found = []
-    for times in ([0.0, 0.01 + rest], [0.0, 0.01, 0.01 + rest]):
+    for times in ([0.0, 0.01 + rest], [0.0, 0.01, 0.01 + rest], [0.0, 0.01]):
         one = raw("plant", version).new().begin()
         assert one.put({"tau_right": 2.0, "tau_left": 1.0}) == OK
         assert {one.step(start, end - start) for start, end in pairwise(times)} == {OK}
         found.append(one.get(*STATE))
     assert found[0] == pytest.approx(found[1], rel=1e-9)
+    assert found[0][3] > found[2][3] > 0
 
 
 def test_states_of_solvers_must_be_numbers(raw):
