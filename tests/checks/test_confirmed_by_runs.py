@@ -7,8 +7,19 @@ import pytest
 from wmr_ctrl.api import simulate
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import stability, warnings_for
+from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 from wmr_ctrl.theory.checks.surroundings import lost_samples, rare_poses
 from wmr_ctrl.world.scenario import load_scenario
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("age, stable", [(0.1, True), (0.2, False)])
+def test_runs_cycle_where_a_pose_is_said_to_be_too_old(age, stable):
+    scenario = load_scenario("paper-simulation-nominal", {"sensor.pose_delay": age})
+    remarks = [item.key for item in simulate(scenario, "prox").remarks]
+
+    assert (largest_stable_period(scenario, "prox") > 0.01) is stable
+    assert ("oscillates" not in remarks) is stable
 
 
 def test_what_is_left_out_is_said():

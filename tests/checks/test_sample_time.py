@@ -2,7 +2,9 @@
 
 import pytest
 
+from wmr_ctrl import load_scenario
 from wmr_ctrl.theory.checks.sample_time import first_speeds, kink_limits
+from wmr_ctrl.theory.checks.stable_ranges import largest_stable_period
 
 PERIOD = "clock.control"
 
@@ -47,3 +49,17 @@ def test_guarded_first_step_stays_inside(loop, told):
 
     assert (first_speeds(loop("mb", held)) <= (1, 1.5)).all()
     assert [w.sentence.split()[0] for w in told("mb", held, key=PERIOD)] == [PERIOD]
+
+
+@pytest.mark.slow
+def test_a_window_of_one_sample_goes_with_the_period():
+    """The limit is the same from whatever period the search begins."""
+
+    def limit(period, counts=1024):
+        stated = {"encoder.counts": counts, "clock.duration": 8.0, "guard.enabled": False}
+        scenario = load_scenario("safe-simulation", {**stated, PERIOD: period})
+        return largest_stable_period(scenario, "prox")
+
+    one, other = limit(0.01), limit(0.04)
+    assert one == pytest.approx(other, rel=1e-4)
+    assert one < limit(0.01, None)

@@ -22,6 +22,7 @@ from wmr_ctrl.theory.checks.stable_ranges import (
     stable_masses,
 )
 from wmr_ctrl.theory.checks.surroundings import IDLE, lost_samples, rounded_effects
+from wmr_ctrl.world.model.kinematics import error_rotation
 from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, override
 
@@ -81,6 +82,28 @@ def test_a_small_displacement_follows_the_matrices(law, base):
         rows.append(x[:5])
         x = (then if k else first) @ x
 
+    assert np.array(rows) == pytest.approx(seen, abs=1e-6)
+
+
+@pytest.mark.parametrize("law", ["mb", "kanayama"])
+def test_a_displacement_from_a_rest_beside_the_reference_follows_the_matrices(law):
+    """The gains of the base are not 1, so the loop does not rest on its reference."""
+    scenario, desired = moving("base.gain = [1.3, 0.8]"), sample(moving(""), np.zeros(1))[0]
+    loop = loop_of(settle(scenario, law))
+    at = loop.resting(desired[3:5], 0.0, 0.05)
+    assert np.abs(at.e).max() > 1e-3
+    theta = desired[2] - at.e[2]
+    place = desired[:2] - (np.asarray(error_rotation(theta)).T @ at.e)[:2]
+    start = {"initial.pose": [*place, theta], "initial.velocity": [*at.v]}
+    rests = override(scenario, start)
+    seen = (off(rests, law, SMALL) - off(rests, law, -SMALL)) / (2 * SMALL)
+    matrix = loop.closed(at, 0.05)
+    x, rows = np.concatenate((seen[0], np.zeros(len(matrix) - 5))), []
+    for _ in range(SAMPLES):
+        rows.append(x[:5])
+        x = matrix @ x
+
+    assert off(rests, law, 0.0) == pytest.approx(np.tile(at.s, (SAMPLES, 1)), abs=1e-9)
     assert np.array(rows) == pytest.approx(seen, abs=1e-6)
 
 

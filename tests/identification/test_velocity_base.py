@@ -1,5 +1,7 @@
 """Bases that take velocities: logs of them give their numbers back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,15 @@ def test_a_first_order_base_gives_its_numbers_back_but_no_limit_that_was_never_m
     assert (ramp.verdict, ramp.high) == ("undetermined", np.inf)
     assert ramp.low > 1.0
     assert any("acceleration limit" in text for text in based.remarks)
+
+
+def test_deviations_are_means_of_what_is_left_of_the_rows_in_use(based):
+    fit = based.judgements[0].fit
+    left = np.where(fit.log.in_fit, 3.0, np.inf)
+
+    deviation = replace(fit, left=left).deviation()
+    assert np.median(deviation) == pytest.approx(3.0)
+    assert deviation.max() == pytest.approx(3.0)
 
 
 def test_the_scenario_runs_behind_its_filter(based):

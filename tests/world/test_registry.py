@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fmpy import simulate_fmu
 
 from tests.papers_robot import paper_toml
 from tests.tables import changes
@@ -43,6 +44,18 @@ def test_gusts_are_the_difference_of_two_pairs_of_numbers():
     assert not np.array_equal(
         run["x"], simulate("paper-simulation", LAW, seed=3, overrides=SHORT)["x"]
     )
+
+
+def test_the_closed_loop_fmu_has_the_bits_of_the_native_loop(tmp_path):
+    name = "all at once"
+    run, scenario = run_of(name), scenario_of("paper-simulation", {**SHORT, **TOYS[name]})
+    (path,) = export_fmu("closed-loop", law=LAW, scenario=scenario, fmi=3, out=tmp_path)
+    shown = ["x", "tau_right", "noise_left", "V1"]
+    times = {"stop_time": 1.5, "output_interval": 0.01, "output": shown}
+    table = simulate_fmu(str(path), start_values={"seed": 3}, **times)
+
+    assert (table["x"][:150] == run["x"]).all()
+    assert all((table[key][1:] == run[key]).all() for key in shown[1:])
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.export.fmi.test_fmi_equality import assert_loop_is, assert_same
+from tests.export.fmi.test_fmi_every_column import COUNTED, scenario_with
 from tests.tables import changes
 from wmr_ctrl.api import simulate
 from wmr_ctrl.export.cosim import cosimulate
@@ -23,8 +24,10 @@ BASE = load_scenario("paper-simulation", changes("""
 """Everything that is a number acts, within 0.3 s."""
 GUARD = changes("guard = {enabled = true, trust = true, f_min = [0.1, 0.0], f_speed = [0.2, 0.3]}")
 GUARDED = override(BASE, GUARD)
-KEPT = ("clock", "sensor.pose_period", "seed")
-"""Parameters that others have to divide, or that are no number of the scenario."""
+KEPT = ("clock", "sensor.pose_period", "sensor.velocity_losses", "actuator.jitter",
+        "actuator.lag_spread", "seed")  # fmt: skip
+"""Parameters that are whole numbers, of steps too, that the guard's delays are built for, or that
+are no number of the scenario."""
 
 
 def other_numbers(fmu):
@@ -52,9 +55,10 @@ def stated(numbers):
 
 @pytest.mark.parametrize(
     "base, law, version",
-    [(GUARDED, "mb", 2), (BASE, "nn", 3), (BASE, "pid", 2), (BASE, "kanayama", 3)],
-)
-@pytest.mark.slow_but("base0-mb-2")
+    [(GUARDED, "mb", 2), (BASE, "nn", 3), (BASE, "pid", 2), (BASE, "kanayama", 3),
+     (scenario_with(COUNTED), "mb", 3)],
+)  # fmt: skip
+@pytest.mark.slow_but("base0-mb-2", "base4-mb-3")
 def test_every_parameter_acts_as_in_the_native_run(raw, base, law, version):
     fmu = raw("closed-loop", version, base, law, arrays=False)
     numbers = other_numbers(fmu)

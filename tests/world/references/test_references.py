@@ -9,6 +9,7 @@ import pytest
 from tests.papers_robot import paper, paper_toml
 from wmr_ctrl.world.references import reference_bounds, sample
 from wmr_ctrl.world.references.waypoints import profile_of, waypoint_path
+from wmr_ctrl.world.scenario import override
 
 HOOK = "points = [[0, 0], [1, 0.2], [2, 1.5], [1, 2.5], [-0.5, 2], [-1, 0.5]]"
 EIGHT = "points = [[0, 0], [1, 1], [2, 0], [1, -1], [0, 0], [-1, 1], [-2, 0]"
@@ -65,6 +66,20 @@ def test_orientation_counts_the_turns_of_a_lap(reference, turns):
 
     assert end[2] - start[2] == pytest.approx(2 * math.pi * turns, abs=1e-9)
     assert -math.pi <= start[2] <= math.pi
+
+
+@pytest.mark.parametrize("reference", ALL)
+def test_numbers_are_parameters_of_the_graph(reference):
+    """A reference of the same structure has the same graph, so nothing recompiles."""
+    scenario = along(reference)
+    names = [name for name in ("rate", "speed") if hasattr(scenario.reference, name)]
+    faster = {f"reference.{name}": 2 * getattr(scenario.reference, name) for name in names}
+    other, times = override(scenario, faster), np.linspace(0, 20, 50)
+    one, two = (item.reference_kind.build(item) for item in (scenario, other))
+    shared = ca.Function("shared", [one.u, one.p], [one.y])
+
+    found = np.asarray(shared(times[None], ca.DM(two.p0))).T
+    assert found == pytest.approx(sample(other, times), rel=1e-14, abs=1e-15)
 
 
 @pytest.mark.parametrize("reference", [f"{SIZED}, {EIGHT}]", LAPS[2]])
