@@ -45,6 +45,17 @@ def test_the_truth_is_near_every_interval_and_the_scenario_has_the_estimates(fou
     assert scenario.guard.enabled, found.remarks
 
 
+@pytest.mark.slow
+def test_missing_rows_and_a_gap_leave_the_truth_in_reach(driven):
+    log = {key: np.array(value) for key, value in log_of(driven, 1).items()}
+    lost = np.random.default_rng(0).random(len(log["t [s]"])) < 0.1
+    lost[400:500] = True
+    log |= {key: np.where(lost, np.nan, row) for key, row in log.items() if "counts" in key}
+    lists = {key: row.tolist() for key, row in log.items()}
+
+    assert_holds(identify(lists, overrides=KNOWN), MAIN)
+
+
 def test_numbers_of_the_motors_are_handed_on(driven):
     log = log_of(driven, 0)
     for side in ("right", "left"):

@@ -8,6 +8,7 @@ from fmpy.validation import validate_fmu
 
 from tests.simulation.physics.fmu.build import INPUTS, OUTPUTS, build_rigid
 from wmr_ctrl import cosimulate, simulate
+from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import PLANT_STATE
 from wmr_ctrl.simulation.physics.rigid import RigidBody
 from wmr_ctrl.world.scenario import load_scenario
@@ -53,3 +54,16 @@ def test_in_fmpy_it_is_the_run_on_the_rigid_body_to_the_bit(tmp_path):
     case = load_scenario("paper-simulation-no-switch", SHORT)
     states = (item.name for item in PLANT_STATE)
     same_in_both(case, *build_rigid(case, tmp_path), (*states, "tau_right", "tau_left"))
+
+
+@pytest.mark.slow
+def test_encoders_on_a_foreign_plant_see_its_wheels(tmp_path):
+    """Wheels that spin too: the map's rows for path and skid tell how they turn."""
+    case = load_scenario("paper-simulation-no-switch", {"clock.duration": 3.0, **ENCODERS})
+    plant, names = build_rigid(case, tmp_path)
+    with pytest.raises(ArgumentError, match="path"):
+        cosimulate(case, "mb", plant=plant, map_file=names)
+    rows = 'path = "rolled"\nskid = { terms = { turned = 1.0, yaw = -1.0 } }\n'
+    names.write_text(names.read_text(encoding="utf-8") + rows, encoding="utf-8")
+    native = same_in_both(case, plant, names, ("x", "v1", "wheel_counts", "tau_right"))
+    assert np.abs(native["slip"]).max() > 1.0

@@ -25,6 +25,20 @@ def test_an_error_of_a_run_is_raised():
         make_each(refuse, [(None, 0)], 0)
 
 
+@pytest.mark.slow
+def test_overrides_and_starts_may_differ_by_run():
+    starts = [[0.3, -0.2, 0.5, 0.1, 0.0], [0.0, 0.0, -1.0, 0.0, 0.2]]
+    changed = [BRIEF | {"body.tyre": tyre} for tyre in (0.8, 0.02)]
+    plant = {"plant": "mujoco", "jobs": 1}
+    table = simulate_many("paper-simulation", "mb", [1, 1], changed, starts=starts, **plant)
+    begun = changed[1] | {"initial.pose": starts[1][:3], "initial.velocity": starts[1][3:]}
+    (alone,) = simulate_many("paper-simulation", "mb", [1], begun, **plant).records()
+
+    assert table.records()[1]["position_rms"] == alone["position_rms"]
+    assert table["slipped"][1] < 0.2
+    assert table["slipped"][0] != table["slipped"][0]
+
+
 def died(loop, seed):
     os._exit(3)
 
