@@ -48,6 +48,16 @@ def test_a_run_that_ended_counts_no_further_while_others_go_on():
         assert [k for k in own if not same_values(together[k][place], own[k][0])] == []
 
 
+@pytest.mark.slow
+def test_order_jobs_and_company_do_not_matter():
+    """A lane's neighbours, those that diverge among them, leave it alone."""
+    wild, tame = tasks_of("pid", 2, "gains.pid.Kp = [2e4, 2e3]"), tasks_of("pid", 9)
+    alone, mixed = run_tasks(tame, jobs=1), run_tasks([wild[0], *tame, wild[1]], jobs=4)
+
+    assert (mixed["stop"][[0, 10]] == 1).all()
+    assert [k for k in alone if not same_values(mixed[k][1:10], alone[k])] == []
+
+
 def test_a_batch_that_runs_again_begins_anew():
     tasks = tasks_of("mb", 2, "actuator.delay = 0.02")
     memory = laid_out(tasks, list(windows_of(tasks[0].loop.settings).values()))
