@@ -26,6 +26,7 @@ def test_limits_are_those_of_the_base_and_what_is_not_known_is_a_comment():
     assert "    max_accel: [1.0, 0.0, 2.0]\n" in text
     assert "    max_decel: [-1.0, -0.0, -1.5]\n" in text or "[-1.0, 0.0, -1.5]" in text
     assert "      # model_delay: the log shows none" in nav2_of(base())
+    assert "deadband_velocity: [0.1, 0.0, 0.0]" in nav2_of(base(dead1=0.1, gain1=0.9, gain2=1.1))
 
 
 def test_a_base_that_takes_torques_is_refused():

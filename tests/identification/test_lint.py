@@ -188,6 +188,8 @@ def test_a_torque_per_ampere_is_positive_and_finite(constant):
 
     with pytest.raises(ArgumentError, match="positive and finite"):
         with_torques(log, constant)
+    with pytest.raises(ArgumentError, match="resistance is for voltage_right or"):
+        with_torques(log, 1.0, 2.0)
 
 
 @pytest.mark.parametrize(
