@@ -60,7 +60,7 @@ def test_what_a_start_adds_is_gone_in_the_end_and_the_words_name_it():
     tube = find_corridor(override(plain, changes("corridor.start = [0.002, 0.002, 0.02]")), "prox")
 
     assert "on it, or moved there by up to 2 mm ahead" in tube.sentence
-    assert tube.position_late == pytest.approx(find_corridor(plain, "prox").position, rel=1e-4)
+    assert tube.position_late == pytest.approx(find_corridor(plain, "prox").position, rel=3e-3)
     assert tube.position_late < tube.position
 
 

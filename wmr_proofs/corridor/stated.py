@@ -39,7 +39,12 @@ def refused_unchecked() -> Iterator[None]:
 
 
 def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
-    """The tube, as wide as the checker shows at least; NoCorridorError if it does not."""
+    """The tube, as wide as the checker shows at least; NoCorridorError if it does not.
+
+    Without pushes and errors it is as computed: what is left of it is rounding.
+    """
+    if not inputs.any:
+        return tube
     stated = of_loop(certifier, inputs, tube.peaks)
     with refused_unchecked():
         distance, turn = (float(course[0]) for course in check(stated))
@@ -51,8 +56,9 @@ def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
 
 
 def checked_run(passing: Passing, bounds: RunBounds) -> RunBounds:
-    """The same of a whole run, unless its robot stops or turns round."""
-    if passing.secants:
+    """The same of a whole run, unless its robot stops or turns round, or has a dead band."""
+    inputs = passing.inputs
+    if passing.secants or inputs.dead.any() or not inputs.any:
         return bounds
     with refused_unchecked():
         position, heading = check(of_run(passing, bounds))

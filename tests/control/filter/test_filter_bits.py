@@ -30,7 +30,8 @@ def shown(platform, name, folder, float32=False):
     runner = check_tools(platform)
     for file, text in written(name, float32).items():
         (folder / file).write_text(text, encoding="utf-8")
-    governs = ["-DGOVERNS"] if FILTERS[name]["filter.kind"] == "governor" else []
+    kind = load_scenario("paper-simulation", FILTERS[name]).filter.kind
+    governs = ["-DGOVERNS"] if kind == "governor" else []
     command = [*platform.command, *FLAGS, *governs, f"-I{folder}", f"-I{BESIDE}"]
     out = folder / f"filtered{platform.suffix}"
     compile_program(folder, command, [str(PROGRAM), str(folder / "wmr_filter.c")], str(out))

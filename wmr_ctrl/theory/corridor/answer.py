@@ -125,7 +125,7 @@ class Corridor:
 
     @property
     def _unchecked(self) -> str:
-        return "" if self.checked else "; computed, but not checked apart, as the robot may stop"
+        return "" if self.checked else "; computed, but not checked apart"
 
     @property
     def _off(self) -> str:
