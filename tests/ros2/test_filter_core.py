@@ -74,6 +74,17 @@ def test_a_process_that_stood_still_trusts_nothing_from_before(world, stamped):
     assert speeds[-1] == 0.0
 
 
+def test_after_a_kill_the_next_life_sends_zeros_until_a_command_counts(world, scenario):
+    world.go(60)
+    old = world.ros
+    again = World(FilterCore(scenario, SETTINGS, "base_link"), ros=world.ros + 2_000 * MS)
+    assert again.go(5, sends=False) == [0.0] * 5
+    assert again.command(old) == "too old"
+    assert again.go(1, sends=False) == [0.0]
+    speeds = again.go(3)
+    assert speeds == pytest.approx([0.02, 0.04, 0.06])  # by the ramp: rise is 1 m/s2
+
+
 def test_a_filter_that_starts_again_does_as_a_new_one_and_keeps_its_counters(scenario, world):
     """Whatever it had sent, taken and latched."""
     world.go(60)

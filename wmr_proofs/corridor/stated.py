@@ -1,4 +1,4 @@
-"""Certificates for `wmr_proofs.corridor_check`, made from what the computation found."""
+"""Certificates of computed corridors, written for `wmr_proofs.corridor_check`."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -56,7 +56,10 @@ def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
 
 
 def checked_run(passing: Passing, bounds: RunBounds) -> RunBounds:
-    """The same of a whole run, unless its robot stops or turns round, or has a dead band."""
+    """Bounds of a whole run, as wide as the checker shows at least; NoCorridorError if it does not.
+
+    A run that stops or turns round, has a dead band, or no pushes and errors, is as computed.
+    """
     inputs = passing.inputs
     if passing.secants or inputs.dead.any() or not inputs.any:
         return bounds

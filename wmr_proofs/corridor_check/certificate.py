@@ -1,4 +1,4 @@
-"""What a certificate of a corridor states, as plain data."""
+"""Certificate: the statement of a corridor, as plain data."""
 
 from dataclasses import dataclass
 

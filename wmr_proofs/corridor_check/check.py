@@ -288,7 +288,7 @@ class _Answers:
         self.columns, self.weights = np.zeros((m, self.n, count)), np.zeros((m, count))
 
     def put(self, place: int, k: int, rounded: Floats | float = 0.0) -> None:
-        """Begin with what a sample of kind ``k`` adds, and what is ``rounded`` then."""
+        """Add the answers to a sample of kind ``k`` at a place, and its error ``rounded``."""
         here = self.sample.next[k]
         own = here[:, self.kept], here[:, self.discs], np.eye(self.n)
         self.columns[:, :, place] = np.concatenate(own, axis=1).T
@@ -309,7 +309,7 @@ class _Answers:
 
 
 def _begun(c: Certificate) -> Floats:
-    """Columns (n, any) of what the state begins with, a disc's pair last."""
+    """Columns (n, any) of the initial state's deviations; the last two belong to a disc."""
     unit = np.eye(len(c.start))[:, c.disc[1] : c.disc[1] + COMMAND]
     return np.hstack([c.start, c.disc[0] * unit])
 
@@ -348,7 +348,7 @@ def _run(c: Certificate, sample: _Sample) -> Floats:
 
 
 def _begun_within(c: Certificate, sample: _Sample, box: Floats) -> Floats:
-    """The same of a sample that begins in a box, and of the state after it."""
+    """Largest values (2, rows) of the rows of a sample that begins in a box, and of the next state."""
     n, rows, answers = sample.n, sample.rows[0], _Answers(c, sample, 1)
     after = rows[:, :n] @ sample.next[0]
     more = 0.0, np.abs(rows[:, :n]) @ sample.box[0]
@@ -360,7 +360,7 @@ def _begun_within(c: Certificate, sample: _Sample, box: Floats) -> Floats:
 
 
 def _standing(c: Certificate, sample: _Sample, samples: int = LONGEST) -> Floats:
-    """The same of one sample that stands for all; of so many, if it has not come to rest before.
+    """Largest values (2, rows) of the rows of one sample, of which the loop repeats ``samples``.
 
     What is before them is within the box.
     """

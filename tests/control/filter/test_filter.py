@@ -74,6 +74,13 @@ def test_axes_by_themselves_are_limited_by_themselves():
     assert sent == (pytest.approx(CLIP, rel=1e-7), 0.1)
 
 
+@pytest.mark.parametrize("dt, late", [(None, False), (0.05, False), (0.08, True), (0.01, True)])
+def test_a_step_outside_its_jitter_is_told(dt, late):
+    governor = wmr_ctrl.command_filter(scenario())
+    made = governor.step((5.0, 0.0), (0.0, 0.0), dt=dt)
+    assert ("late" in made.flags) == late
+
+
 def test_a_command_within_the_limits_passes_to_the_bit():
     governor = wmr_ctrl.command_filter(scenario())
     made = governor.step((0.3, -0.2), (0.1, 0.0))

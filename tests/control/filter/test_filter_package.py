@@ -11,6 +11,7 @@ from tests.codegen.measured import FILTERS
 from tests.codegen.packages import write_package
 from tests.codegen.test_package import WARNINGS, needs, programs, run
 from tests.control.filter.test_filter import scenario
+from tests.tables import changes
 from wmr_ctrl.codegen.package import known_footprint, package_files
 from wmr_ctrl.codegen.single_precision import with_margin
 from wmr_ctrl.control.filter import command_filter
@@ -76,6 +77,37 @@ TIMED = (
 """
 )
 """Steps by a clock that stands still, goes back, and is late; then by what is no time."""
+EACH = (
+    MEMORY
+    + """    static wmr_filter_parameters right;
+    static wmr_filter_state driven;
+    const int count = (int)(sizeof right / sizeof(wmr_real));
+    right = parameters;
+    ((wmr_real *)&parameters)[count - 1] = (wmr_real)NAN;
+    wmr_filter_step(&parameters, &memory, &in, &out);
+    parameters = right;
+    for (int k = 0; k < 3; ++k) {
+        in.v_asked[0] = in.v_asked[1] = (wmr_real)0.1;
+        if (wmr_filter_step(&parameters, &memory, &in, &out)) return 1;
+    }
+    driven = memory;
+    for (int i = 0; i < count; ++i) {
+        parameters = right;
+        memory = driven;
+        ((wmr_real *)&parameters)[i] = (wmr_real)NAN;
+        const int failed = wmr_filter_step(&parameters, &memory, &in, &out);
+        printf("%d %g %g %d", failed, (double)out.v_sent[0], (double)out.v_sent[1],
+               (int)out.filter_flags);
+        parameters = right;
+        printf(" %d", wmr_filter_step(&parameters, &memory, &in, &out));
+        printf(" %d\\n", (int)out.filter_flags);
+    }
+    return 0;
+}
+"""
+)
+"""The fourth step with each parameter in turn as no number, and a step behind it.  Before the first
+one of them was none, which counts for nothing: no command was sent."""
 CHANGED = (
     MEMORY
     + """    in.v_asked[0] = 5.0;
@@ -222,6 +254,55 @@ def test_a_limit_of_wheels_is_lowered_in_single_precision():
     pairs = zip(system.params, with_margin(system).params, strict=True)
     lowered = {old.signal.name for old, new in pairs if old.value != new.value}
     assert lowered == {"limits.v_u1", "filter.wheel_speed"}
+
+
+WHEELS = {
+    "wheels beside": FILTERS["governor"] | changes("""
+        filter.wheel_speed = 1.2
+        filter.scale = turn
+        filter.delay = [0.02, 0.06]
+        filter.losses = 1
+        filter.age = 0.12
+    """),
+    "clip of wheels": {**FILTERS["clip"], "filter.wheel_speed": 1.2},
+}  # fmt: skip
+WITHOUT_EFFECT = {
+    "clip": {"clock.control": 8}, "clip of wheels": {"clock.control": 8},
+    "clip of slow commands": {"filter.d[1]": 0, "filter.d[2]": 0},
+}  # fmt: skip
+"""Parameters that no limit hangs on, and the flag of a step in which they are no number."""
+
+
+@pytest.mark.parametrize(
+    "name, float32",
+    [
+        ("clip", False),
+        ("clip", True),
+        ("wheels beside", False),
+        ("clip of wheels", False),
+        ("clip of slow commands", True),
+        ("governor, delay of 0 to 30 ms", True),
+        ("band of 50 commands", False),
+    ],
+)
+@pytest.mark.slow_but("clip-False", "wheels beside-False")
+def test_each_parameter_that_is_no_number_is_noticed_in_any_step(name, float32, tmp_path):
+    """(0, 0) is sent with the flag "unsound"; a band goes on with that until it is started."""
+    settings = load_scenario("paper-simulation", {**FILTERS, **WHEELS}[name])
+    lines = built(EACH, tmp_path, settings, float32=float32)
+    params = command_filter(settings).system.params
+    names = [element for item in params for element in item.signal.elements]
+    assert len(lines) == len(names)
+    unseen = WITHOUT_EFFECT.get(name, {})
+    assert set(unseen) <= set(names)
+    tabled = settings.filter.kind == "band"
+    for parameter, line in zip(names, lines, strict=True):
+        failed, *sent, flags, again, later = map(float, line.split())
+        if parameter in unseen:
+            assert (failed, int(flags) & ~1) == (0, unseen[parameter]), parameter
+        else:
+            assert (failed, *sent, flags) == (float(tabled), 0.0, 0.0, 32.0), parameter
+        assert (again, int(later) & 32) == ((1, 32) if tabled else (0, 0)), parameter
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,8 @@ from wmr_ctrl.control.filter.band import NAMES, BandGovernor
 T = 0.05
 COUNT = 300
 FREE = {"kind": "band", "push": (0.0, 0.0)}
+UNTIMELY = (0.0, 0.02, 0.3, 0.9, 1.2, 1.7, 3.0, 8.0)
+"""Times between steps, in periods."""
 
 
 def sent_at(limit, since):
@@ -108,3 +110,21 @@ def test_a_clip_acts_whenever_a_step_is_untimely(kind, wrong):
     made = limit.step((5.0, 0.0), (0.0, 0.0), dt=wrong)
     assert made.command[0] == clip
     assert made.flags == ("limited", "late")
+
+
+@pytest.mark.slow
+def test_slow_commands_change_in_time_and_no_faster():
+    stated = {"loop": "second-order", "frequency": (3.0, 5.0), "damping": (0.4, 1.4)}
+    slow = command_filter(scenario(slew=(0.2, 0.2), push=(0.0, 0.0), **stated))
+    rng, last = np.random.default_rng(7), 0.0
+    for since in (
+        *T * rng.choice([1.0, 1.0, 0.5, 0.8, 1.6, 3.0, 0.0, -0.5], 200),
+        math.nan,
+        -math.inf,
+        math.inf,
+    ):
+        made = slow.step((rng.choice([-9.0, 9.0]), 0.0), dt=since)
+        most = 0.2 * min(since, T) if since >= 0 else 0.0
+        assert abs(made.command[0] - last) <= most * (1 + 1e-9)
+        assert ("late" in made.flags) == (not abs(since - T) <= T / 4)
+        last = made.command[0]

@@ -136,7 +136,7 @@ class Watching(Heard):
 
     @cached_property
     def free_whole(self) -> Sides:
-        """`free_now`, but as far as it is told, beyond what limits a command."""
+        """Free way of each side up to the told one, even where more would limit no command."""
         return each_side(lambda place, i: self._free(
             place, i, ca.fmax(self.far(place, i), ca.fmin(self.free.sym[place + 2 * i], LARGEST))
         ))  # fmt: skip

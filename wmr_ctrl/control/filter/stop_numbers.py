@@ -68,7 +68,7 @@ def stopping(scenario: Scenario, speed: float) -> Stopping:
 
 
 def leaves_from(scenario: Scenario) -> float:
-    """Free distance [m], as told, from which on a base at rest leaves at once, without a hold."""
+    """Least free distance [m], as told, at which a base at rest leaves at once, without a hold."""
     error = scenario.filter.free_error or 0.0
     if scenario.filter.kind == "clip":
         return error + _starting(scenario)
@@ -128,7 +128,7 @@ class Leaving:
 
 
 def pull_away(scenario: Scenario, way: int = -1) -> float:
-    """Least speed [m/s] of the largest command away from what is before it (``way`` -1) or behind.
+    """Least speed [m/s] by the largest command away from an obstacle ahead (``way`` -1) or behind.
 
     It can never leave by commands where that is not above 0.
     """
