@@ -348,7 +348,7 @@ def _run(c: Certificate, sample: _Sample) -> Floats:
 
 
 def _begun_within(c: Certificate, sample: _Sample, box: Floats) -> Floats:
-    """Largest values (2, rows) of the rows of a sample that begins in a box, and of the next state."""
+    """Largest values (2, rows) of rows of a sample that begins in a box, and of the next state."""
     n, rows, answers = sample.n, sample.rows[0], _Answers(c, sample, 1)
     after = rows[:, :n] @ sample.next[0]
     more = 0.0, np.abs(rows[:, :n]) @ sample.box[0]
