@@ -6,10 +6,9 @@ import pytest
 import wmr_ctrl
 from tests.cli.conftest import SHORT
 from tests.commands import flat
-from tests.control.laws.toys import PLAIN
+from tests.control.laws.toys import PLAIN, forget
 from tests.docs.test_extending import FILES
 from tests.tables import cases
-from wmr_ctrl.control.laws import LAWS
 from wmr_ctrl.core.errors import ArgumentError
 
 LAW = FILES["my_law"]
@@ -19,8 +18,7 @@ BRIEF = {"clock.duration": 1.0, "changes": []}
 @pytest.fixture(autouse=True)
 def forgotten(monkeypatch, tmp_path):
     """Forget laws that a test hands over; give each test an empty folder."""
-    monkeypatch.setattr(LAWS, "given", {})
-    monkeypatch.setattr(LAWS, "files", {})
+    forget(monkeypatch)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "my_law.py").write_text(LAW)
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.control.laws.toys import PLAIN
+from tests.control.laws.toys import PLAIN, forget
 from wmr_ctrl.control.laws.given import is_law_file, law_if_any, law_name, law_names
 from wmr_ctrl.core.errors import ArgumentError
 
@@ -23,7 +23,8 @@ def test_a_path_is_told_from_a_name(given, is_file):
     assert is_law_file(given) is is_file
 
 
-def test_names_stay_names_and_a_law_is_known_by_its_own():
+def test_names_stay_names_and_a_law_is_known_by_its_own(monkeypatch):
+    forget(monkeypatch)
     assert law_name("no such law") == "no such law"
     assert law_if_any(None) is None
     assert law_names(["pid", PLAIN]) == ("pid", PLAIN.name)

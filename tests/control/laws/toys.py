@@ -70,3 +70,9 @@ def install(monkeypatch, *laws):
     """Register laws for one test, as if their packages were installed."""
     monkeypatch.setattr(registry, "entry_points", lambda group: [Entry(law) for law in laws])
     monkeypatch.setitem(vars(registry.LAWS), "plugins", registry.LawRegistry().plugins)
+
+
+def forget(monkeypatch):
+    """Forget the laws that one test hands over, after it."""
+    monkeypatch.setattr(registry.LAWS, "given", {})
+    monkeypatch.setattr(registry.LAWS, "files", {})
