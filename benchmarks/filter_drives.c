@@ -130,7 +130,7 @@ typedef struct {
     int axis, side, base, driver, limits, noise, delays, losing, jitter, other; /* how the adversary chooses */
     double t, x[2], v[2], walls[2][2]; /* walls: places ahead and behind of which the base touches */
     double tau[2], gain[2], push[2], nearing[2], zero_since, brakes_after;
-    double ramped[2], rates[2][2]; /* of a base that slows down: where its ramp is, how fast it falls and rises */
+    double ramped[2], ends[2], rates[2][2]; /* of a base that slows down: its ramp, its end, how fast it falls and rises */
     int touched[2][2], braked;
     double asked, across, away, leaves_late, stands_after, left_at; /* asked: away from the wall is below 0 */
     int left, turns_at, waiting, left_since;
@@ -151,15 +151,17 @@ typedef struct {
 /* Speed and place of one axis after a time in which nothing changes, and its ramp rises by ``rate`` (0: it stands). */
 static void later(const drive *s, int i, double h, double rate, double *v, double *x)
 {
-    double tau = s->tau[i], m = s->ramped[i];
+    double tau = s->tau[i], m = s->ramped[i], end = rate == 0 ? m : s->ends[i];
     if (tau <= 0) {
         *v = m + rate * h;
         *x = s->x[i] + (m + rate * h / 2) * h;
-        return;
+    } else {
+        double m_0 = m - rate * tau, fades = -expm1(-h / tau), away = s->v[i] - m_0;
+        *v = s->v[i] + (m_0 - s->v[i]) * fades + rate * h;
+        *x = s->x[i] + m_0 * h + away * tau * fades + rate * h * h / 2;
     }
-    double m_0 = m - rate * tau, fades = -expm1(-h / tau), away = s->v[i] - m_0;
-    *v = s->v[i] + (m_0 - s->v[i]) * fades + rate * h;
-    *x = s->x[i] + m_0 * h + away * tau * fades + rate * h * h / 2;
+    double before = tau > 0 ? s->v[i] : m; /* roundings lead no farther than the base goes */
+    *v = larger(smaller(*v, larger(larger(before, m), end)), smaller(smaller(before, m), end));
 }
 
 /* The time at which a speed of one axis passes one that it has not yet. */
@@ -211,6 +213,7 @@ static void carried_on(drive *s, int i, double h, double rate)
 static void carried(drive *s, int i, double h, double u)
 {
     double m = s->gain[i] * u + s->push[i], r = s->ramped[i], rate = s->rates[i][m > r];
+    s->ends[i] = m;
     if (s->real->axes[i].decel <= 0 || s->braked || rate >= NEVER || fabs(m - r) < SAME) r = s->ramped[i] = m;
     carried_on(s, i, h, r == m ? 0 : m > r ? rate : -rate);
 }

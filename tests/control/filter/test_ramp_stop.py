@@ -100,6 +100,34 @@ def test_a_base_of_a_run_that_slows_down_less_is_named():
 
 
 @pytest.mark.parametrize(
+    "changed, words",
+    cases("""
+        base.jerk = [9, 9]                                    | base.jerk
+        base.wheel_accel = 0.1; base.wheel_decel = 0.1        | base.wheel_accel
+        actuator.tau_max = 0.1                                | actuator.tau_max
+        base.timeout = 0.05; base.losses = 1; filter.losses = 1 | base.timeout
+        base.deadband = [0.1, 0.1]                            | errors of the command may push
+        filter.losses = 1                                     | none
+        base.w_max = 20.0                                     | none
+        base.timeout = 0.05; base.losses = 1; filter.losses = 1; filter.hold = 0.05 | none
+    """),
+)
+def test_what_holds_back_a_stop_of_a_run_is_named(changed, words):
+    run = preset("paper-simulation", BASE, """
+        base.decel = [1.0, 2.0]
+        base.delay = 0.1
+        filter.tau = [0.1, 0.2]
+        disturbance.std = 0
+        robot.mu = 0
+    """, changed)  # fmt: skip
+    if words == "none":
+        settle(run, "kanayama")
+        return
+    with pytest.raises(ScenarioError, match=words):
+        settle(run, "kanayama")
+
+
+@pytest.mark.parametrize(
     "stated",
     cases("""
         filter.slew = [1, 1]

@@ -88,6 +88,16 @@ def test_rest_is_known_only_after_the_brake_has_closed(jitter, time, steps):
     assert float(ca.evalf(whole_steps(plan, ca.SX(0.05), ca.SX(1.0)))) <= steps
 
 
+def test_a_brake_behind_a_dead_band_keeps_the_limit():
+    """A base that stands at once, also after commands that its firmware takes for 0."""
+    told = PLAIN | changes("filter.d = [0.1, 0.1]; filter.rest = 0")
+    governor, v = CommandFilter(load_scenario("paper-simulation", told)), 0.0
+    for asked in (1.0,) * 60 + (0.04,) + (-9.0,) * 4:
+        u = governor.step((asked, 0.0)).command[0]
+        v = 1.1 * u + math.exp(-0.05 / 0.2) * (v - 1.1 * u) if abs(u) > 0.05 else 0.0
+        assert abs(v) <= 1
+
+
 def twins(told, count, seed=0):
     """Drive a base with constant gain, push and obstacles ahead and behind; yield every step.
 

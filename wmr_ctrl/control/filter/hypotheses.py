@@ -9,7 +9,8 @@ from wmr_ctrl.control.laws.law import Predicting
 from wmr_ctrl.core.errors import ScenarioError, show
 from wmr_ctrl.core.fields.section import Section
 from wmr_ctrl.core.fields.units import rounded
-from wmr_ctrl.world.command_ramp import keeps_wheels, quick_stops
+from wmr_ctrl.world.command_loss import COMMAND_LOSS
+from wmr_ctrl.world.command_ramp import COMMAND_RAMP, keeps_wheels, quick_stops
 from wmr_ctrl.world.effect import ROUNDING, Bound, EffectRole, Pair
 from wmr_ctrl.world.encoder import TIME, Encoder
 from wmr_ctrl.world.phases import largest_friction, phases
@@ -17,7 +18,9 @@ from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.resistance import Resistance, against, rolling_against
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.speed_loop import has_loop
+from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT
 
+from .governor_step import schedules
 from .held_loop import (
     counts_on_rims,
     friction_at_a_rim,
@@ -53,7 +56,9 @@ def broken_hypotheses(scenario: Scenario, bound: Bound) -> tuple[str, ...]:
     """
     if scenario.filter.kind == "none":
         return ()
-    if scenario.filter.kind != "clip" or scenario.filter.slew is not None:  # 0 is no limit to it
+    settings = scenario.filter
+    reaches = settings.kind == "clip" and settings.slew is None and settings.free_error is None
+    if not reaches:  # a command that acts as 0 is no limit to the clip alone
         v, omega = (sum(pair) for pair in zip(bound.command, bound.dropped, strict=True))
         bound = replace(bound, command=(v, omega))
     sentences = [*_of_every_filter(scenario, bound)]
@@ -371,8 +376,11 @@ def _of_slow_stops(scenario: Scenario, bound: Bound) -> Iterator[str]:
                 f"base.tau[{axis + 1}] = {lag:g} s delays a stop, and filter.tau covers {most:g} "
                 "s. State filter.tau = [low, high] that holds it."
             )
-    if min(base.jerk) < math.inf:
-        yield "base.jerk delays a stop by a time that filter.decel does not cover. Leave it out."
+    for item in EFFECTS.present(scenario):
+        covered = item in (COMMAND_RAMP, WHEEL_SPEED_LIMIT)  # the latter never holds back a stop
+        covered |= item is COMMAND_LOSS and schedules(scenario)[0].stops_alone
+        if not covered and (own := item.bounded(scenario)) and own.hidden:
+            yield f"{own.hidden} A stop may then take longer than filter.decel says. Leave it out."
     yield from _of_the_times(scenario, bound)
     if stated.odometry is not None:
         yield from _of_odometry(scenario, bound, stated.odometry)

@@ -73,7 +73,7 @@ class StoppingGovernor(Watching, Governor):
         self.watch(last)
         self.limits_told = limits_port(scenario)
         self.waited = port(WAITED)
-        still = [is_nothing(item.sym) for item in self.before] if self.rest is not None else []
+        still = [self._idle(item.sym) for item in self.before] if self.rest is not None else []
         self.told = each_side(lambda place, i: ToldBound(
             self.plans[i], self.channels[i].sides[place], tau[i], self.T,
             most=[ca.SX(0), *(item.sym[2 * place + i] for item in self.most_before)],
@@ -91,6 +91,11 @@ class StoppingGovernor(Watching, Governor):
     def remembered(self) -> int:
         """Number of commands that the state holds, those while a distance was measured included."""
         return remembered(self.plans, self.scenario)
+
+    def _idle(self, command: ca.SX) -> ca.SX:
+        """1 where a brake may close: a command (2,) that dead bands or quanta within d may hide."""
+        pairs = ((ca.fabs(command[i]), c.bounds) for i, c in enumerate(self.channels))
+        return reduce(ca.logic_and, (b.K_min * u <= b.dbar for u, b in pairs))
 
     def _stop(self, axis: int, tau: tuple[ca.SX, ca.SX]) -> Stop[ca.SX]:
         plan, d = self.plans[axis], self.channels[axis].bounds.dbar
@@ -307,7 +312,7 @@ class StoppingGovernor(Watching, Governor):
         bound = ca.fmin(ca.fmax(V, v_bar), ca.fmax(v_bar, target))
         if self.rest is None:
             return bound
-        bound = ca.if_else(is_nothing(self.safe), ca.fmax(bound, 0), bound)
+        bound = ca.if_else(self._idle(self.safe), ca.fmax(bound, 0), bound)
         return ca.if_else(self.held, 0, bound)
 
     def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
@@ -325,7 +330,7 @@ class StoppingGovernor(Watching, Governor):
 
     def _onward(self, place: int, axis: int) -> ToldBound:
         m = self.told[place][axis]
-        still = [is_nothing(self.safe), *m.still[1:]] if m.still else ()
+        still = [self._idle(self.safe), *m.still[1:]] if m.still else ()
         return replace(m, most=[self.most[place][axis], *m.most[1:]], still=still)
 
     @cached_property

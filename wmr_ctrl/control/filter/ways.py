@@ -140,8 +140,8 @@ class ToldBound(SpeedBound):
     """`SpeedBound` behind limits that change, on a base with a brake.
 
     By age of the command, [0] the newest: ``most`` bounds the speed while it acts; ``still`` is 1
-    if it is (0, 0), during which a brake may end any motion. ``punctual``: 1 if all commands that
-    may act were sent in time.
+    if it may act as (0, 0), during which a brake may end any motion. ``punctual``: 1 if all
+    commands that may act were sent in time.
     """
 
     punctual: ca.SX
