@@ -16,6 +16,13 @@ def test_commands_are_lost_so_often_in_a_row_and_no_more():
     assert (found[:100] == 0).all()
 
 
+def test_behind_a_delay_a_command_is_lost_at_the_step_at_which_it_arrives():
+    sent = np.linspace(0.1, 1.0, 400)
+    found = acting(based(losses=1, delay=0.02), np.column_stack((sent, sent)), [1.0] * 400)
+
+    assert [*np.flatnonzero(np.diff(found[:, 0])) + 1] == [*range(20, 400, 50)]
+
+
 def test_a_base_that_hears_nothing_stops_after_its_time_out():
     wanted = np.full((400, 2), 0.3)
     found = acting(based(losses=100, timeout=0.12), wanted, [1.0] * 50 + [-1.0] * 350)

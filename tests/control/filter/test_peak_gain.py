@@ -177,6 +177,8 @@ def exact_push(k, s):
     ((0.9, 1.1), (1.79, 2.2), (0.9, 1.1), (0.0, 0.3)),
     ((1.0, 1.2), (4.0, 5.0), (1.0, 1.1), (1.0, 10.0)),
     ((50.0, 60.0), (150.0, 165.0), (300.0, 320.0), (20.0, 40.0)),
+    ((1.0, 1.0), (1.9985, 1.9985), (1.0, 1.0), (0.0, 0.0)),
+    ((1.0, 1.0), (1.6, 1.6), (1.0, 1.0), (0.401, 0.401)),
 ])  # fmt: skip
 def test_the_search_ends_where_the_corner_is_that_is_known_to_be_the_worst(family):
     """The peaks are those of the worst corner, also for boxes with sides of length 0.
