@@ -76,7 +76,7 @@ static double inside_by(const numbers *p, const axis_numbers *a, double v_0, dou
     double spread = p->delay[1] - p->delay[0], least = larger(0, shortest - spread);
     double first = p->delay[1] + p->losses * longest;
     if (v_0 <= V) return first;
-    if (V <= a->push) return NEVER;
+    if (V <= a->push || a->decel > 0) return NEVER; /* a clip promises no time */
     double fades = a->tau[1] * log((v_0 - a->push) / (V - a->push)), n = ceil((fades + spread) / shortest - 1e-9);
     return first + smaller(fades + least, (n + p->losses) * longest);
 }
@@ -132,6 +132,7 @@ typedef struct {
     double tau[2], gain[2], push[2], nearing[2], zero_since, brakes_after;
     double ramped[2], ends[2], rates[2][2]; /* of a base that slows down: its ramp, its end, how fast it falls and rises */
     int touched[2][2], braked;
+    int blind; /* a distance is missing in this step: a request may wait until all come */
     double asked, across, away, leaves_late, stands_after, left_at; /* asked: away from the wall is below 0 */
     int left, turns_at, waiting, left_since;
     double ceiling[2][2];
@@ -430,11 +431,13 @@ static void tell_measured(drive *s, int k, wmr_filter_inputs *u)
     int back = (int)(real->free_age / p->period + 1e-9), source = k - (s->noise == 0 ? back : below(r, back + 1));
     while (source < k && source >= 0 && s->t - s->samples[source].t > real->free_age + SAME) ++source;
     int seen = source >= 0 && (k == back || !chance(r, s->c->missing));
+    s->blind = !seen;
     u->free_age = seen ? smaller(s->t - s->samples[source].t, p->free_age) : -1;
     for (int i = 0; i < 2; ++i)
         for (int m = 0; m < 2; ++m) {
             double far = seen ? s->samples[source].free[i][m] + (i ? 0 : s->error[m]) : NAN;
             if (s->c->missing > 0 && chance(r, 0.05)) far = NAN;
+            s->blind |= isnan(far);
             u->free[2 * i + m] = far > 1e9 ? INFINITY : far;
         }
 }
@@ -501,7 +504,7 @@ static void count_waiting(drive *s, int k, int goes)
     if (last && long_ago && pull > 0.02 && place > s->left_at - 0.05) s->out->waits = NEVER;
     if (s->waiting >= 0 && s->owed == 0) ++s->waiting;
     if (goes) s->waiting = -1;
-    s->out->waits = larger(s->out->waits, s->waiting / most);
+    if (!s->blind) s->out->waits = larger(s->out->waits, s->waiting / most);
 }
 
 /* One command: 1 if no side was open for it. */

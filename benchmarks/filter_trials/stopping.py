@@ -180,7 +180,6 @@ MIXED: Sequence[tuple[float, Mapping[str, Any]]] = (
 def mixed(filtering: Drives, count: int, seed: int) -> Found:
     """Drives of all kinds behind one filter (`MIXED`)."""
     aged = {"missing": 0.3} if filtering.told.free_age else {}
-    aged |= {"limits": CONSTANT} if filtering.told.decel else {}  # a clip promises no time
     return _together(
         filtering.run(round(share * count), seed + 10_000_000 * number, **{**chosen, **aged})
         for number, (share, chosen) in enumerate(MIXED)
@@ -235,6 +234,8 @@ FAMILIES: Mapping[str, Base] = {
     "brakes at once": Base(rest=0.0, delay=(0.05, 0.05)),
     "no push sideways": Base(push=(0.05, 0.0), delay=(0.05, 0.05)),
     "tau 0.05 to 0.8 s": Base(tau=(0.05, 0.8), delay=(0.05, 0.1)),
+    "a hold of 1 s, distances missing": Base(
+        period=0.1, free_age=0.1, rest=0.05, tau=(0.05, 1.0), push=(0.1, 0.1), v=(1.0, 1.0)),
 }  # fmt: skip
 """Bases within their bounds."""
 

@@ -85,6 +85,16 @@ def test_it_goes_on_leaving_only_from_standstill():
     assert min(resting) > 0.3
 
 
+def test_a_lowered_limit_does_not_hide_how_fast_the_base_still_is():
+    told = {"measured": (1.0, 0.0), "turn": (9.0, 9.0), "dt": T}
+    clip = command_filter(preset("paper-simulation", BASE, "filter.changing = true"))
+    for _ in range(9):
+        assert clip.step((1.0, 0.0), free=(3.0, 3.0), **told).command[0] > 0.8
+    slow = ((-0.2, 0.2), (-1.0, 1.0))
+    assert clip.step((1.0, 0.0), free=(0.6, 3.0), limits=slow, **told).command == (0.0, 0.0)
+    assert 0 < clip.step((1.0, 0.0), free=(3.0, 3.0), limits=slow, **told).command[0] < 0.2
+
+
 def test_a_base_of_a_run_that_slows_down_less_is_named():
     run = preset("paper-simulation", BASE, """
         base.decel = [1.0, 2.0]

@@ -63,7 +63,10 @@ UNTOLD = 0.25
 
 
 class Clip:
-    """Graph of a clip: its channels, their limits and the command that is sent."""
+    """Graph of a clip: its channels, their limits and the command that is sent.
+
+    ``channels`` have the limits in force, ``widest`` those of the scenario.
+    """
 
     def __init__(self, scenario: Scenario) -> None:
         """Create the ports; a linear loop's peak gain is computed here and is a parameter."""
@@ -83,7 +86,7 @@ class Clip:
                 self.p = Parameters(scenario, (delta, reach))
                 least, most, _ = stated(self.p)
                 numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
-        self.channels: list[Channel] = channels_of(scenario, self.p, numbers)
+        self.widest = self.channels = channels_of(scenario, self.p, numbers)
         self.told: tuple[Port, ...] = ()
         if scenario.filter.changing:
             self.told = (limits_port(scenario),)

@@ -144,7 +144,8 @@ class Watching(Heard):
     def _free(self, place: int, axis: int, far: ca.SX) -> ca.SX:
         number, V = place + 2 * axis, self.channels[axis].sides[place].V
         most = largest([ca.SX(0), *(item.sym[2 * place + axis] for item in self.most_before)])
-        speed, told = ca.if_else(self.believed, most, V), ca.fmin(self.free.sym[number], far)
+        speed = ca.if_else(self.believed, most, V)
+        told = ca.fmax(ca.fmin(self.free.sym[number], far), -LARGEST)
         if axis == 0:
             speed += self.p.take("filter.nearing")
             told -= self.p.take("filter.free_error")

@@ -50,13 +50,16 @@ def stopping_speed(room: ca.SX, h: ca.SX, A: ca.SX) -> ca.SX:
 
 
 class RampStopper(Clip, Watching):
-    """Graph of the clip; its state is what may act, what that allows, and the free ways."""
+    """Graph of the clip; its state is what may act, what that allows, and the free ways.
+
+    The base may still be faster than a limit in force, which bounds commands alone.
+    """
 
     def __init__(self, scenario: Scenario) -> None:
         """Create the ports; ScenarioError if the times span too many samples."""
         super().__init__(scenario)
         settings, p = scenario.filter, self.p
-        self.channels, self.plans = two_sided(self.channels), schedules(scenario)
+        self.channels, self.plans = two_sided(self.widest), schedules(scenario)
         self.oldest = remembered(self.plans, scenario)
         self.odometry, self.age = port(ODOMETRY), port(ODOMETRY_AGE, -1.0)
         self.counted = (port(IN_TIME, self.oldest),)
