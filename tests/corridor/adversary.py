@@ -1,7 +1,7 @@
-"""An adversary of the tests' own: worst pushes and pose errors, on the loop of `tests.oracle`.
+"""Worst pushes and pose errors against the corridor, found on the loop of `tests.oracle`.
 
-The loop's answer to one push is measured, not derived, and the worst sequence for a direction and
-a time is that of its signs, read backwards.
+The loop's response to one push is measured, not derived.  The worst sequence for a direction and a
+time has the signs of that response, read backwards.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ TRIED = 2
 
 @dataclass(frozen=True)
 class Excursion:
-    """Errors e at all plant steps (N, 3), largest wheel torque, whether a guard changed a force."""
+    """Errors e at all plant steps (N, 3), largest wheel torque [N m], and whether the guard changed
+    a force.
+    """
 
     e: np.ndarray
     torque: float
@@ -41,7 +43,7 @@ class Excursion:
 
 
 class Attacked(_Loop):
-    """The oracle's loop from a start on the path, with given pushes and errors of measurements."""
+    """The oracle's loop from a start on the path, with given pushes and measurement errors."""
 
     def __init__(self, scenario, law, push, pose=None, velocity=None, changing=False):
         setup = settle(scenario, law)
@@ -68,23 +70,23 @@ class Attacked(_Loop):
         self.errors.append(tracking_error(target, self.state[:3]))
 
     def goes_on(self, first, end):
-        """Samples from one before another, unless the run has ended; returns the other."""
+        """Run samples ``first`` to ``end`` - 1, unless the run has ended; return ``end``."""
         for k in range(first, end):
             if not self.ended:
                 self._sample(k)
         return end
 
     def branched(self):
-        """A copy that goes on by itself, without what is behind."""
+        """Independent copy of the loop that continues from here with an empty log."""
         self.log, self.errors = Recorder(self._memory()), []
         return deepcopy(self, {id(self.scenario): self.scenario})
 
 
 def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, changing=False):
-    """The Excursion under wheel torques ``push`` (N, 2) and errors ``pose``, ``velocity`` (N, 2).
+    """Excursion under wheel torques ``push`` (N, 2) and errors ``pose``, ``velocity`` (N, 2).
 
-    At sample ``at`` the robot is moved by ``jump``: ahead, aside [m] and a turn [rad].  Its own
-    changes come where it is ``changing``.
+    At sample ``at`` the robot is displaced by ``jump``: ahead, aside [m] and a turn [rad].  With
+    ``changing`` the scenario's changes of the robot take place.
     """
     loop = Attacked(scenario, law, push, pose, velocity, changing)
     loop.jump, loop.at = jump, at * scenario.clock.substeps
@@ -95,19 +97,19 @@ def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, chang
 
 
 def farthest_first(led, size=1.0):
-    """Signs of each of the sequences ``led`` (N, 2) times ``size``, in the order of how far.
+    """Signs of each sequence in ``led`` (N, 2) times ``size``, worst sequence first.
 
-    Which is the sum of the sizes of what ``led`` has for each sample and axis.
+    The worst sequence has the largest sum of absolute responses over samples and axes.
     """
     order = sorted(led, key=lambda answers: -(np.abs(answers) * size).sum())
     return [np.sign(answers) * size for answers in order]
 
 
 def led_by(answers, turn=0.0):
-    """For each of DIRECTIONS: how far (N, 2) inputs of both axes lead that way at last.
+    """For each of DIRECTIONS: final displacement that way per unit of input (N, 2) at each sample.
 
-    ``answers``: errors e (N, 3) after a single input of each axis, in axes of the robot at that
-    sample or, where it turns by ``turn`` [rad] a sample, of the plane.
+    ``answers``: errors e (N, 3) after a single input of each axis.  The axes are the robot's at
+    that sample or, if it turns by ``turn`` [rad] a sample, those of the plane.
     """
     turned, led = turn * np.arange(len(answers[0])), []
     c, s = np.cos(turned), np.sin(turned)
@@ -119,8 +121,9 @@ def led_by(answers, turn=0.0):
 
 @lru_cache(maxsize=16)
 def worst_pushes(scenario, law, samples, size):
-    """For each of DIRECTIONS: pushes (N, 2) of ``size`` that lead furthest that way, those first
-    that lead furthest of all."""
+    """For each of DIRECTIONS: pushes (N, 2) of ``size`` that displace the robot most that way.  The
+    worst of all comes first.
+    """
     steps = scenario.clock.substeps
     rest = attack(scenario, law, np.zeros((samples, 2))).e[steps - 1 :: steps]
     answers = []
@@ -133,9 +136,10 @@ def worst_pushes(scenario, law, samples, size):
 
 @lru_cache(maxsize=4)
 def worst_on_the_way(scenario, law, end):
-    """For each of DIRECTIONS: signs (end, 2) of pushes that lead furthest that way at last.
+    """For each of DIRECTIONS: signs (end, 2) of pushes that displace the robot most at sample
+    ``end``.
 
-    Those first that lead furthest of all.  Along any path, with the robot's changes.
+    The worst of all comes first.  Any path is possible, and the robot changes as its scenario says.
     """
     loop = Attacked(scenario, law, np.zeros((end, 2)), changing=True)
     places = np.arange(end - 1, max(end - WINDOW, 0), -STRIDE)[::-1]
@@ -158,7 +162,7 @@ def worst_on_the_way(scenario, law, end):
 
 
 def farthest_on_the_way(scenario, law, end, size):
-    """The largest excursion under these pushes of ``size``."""
+    """Largest excursion under the pushes of `worst_on_the_way`, times ``size``."""
     pushes = (size * signs for signs in worst_on_the_way(scenario, law, end)[:TRIED])
     each = (attack(scenario, law, push, changing=True) for push in pushes)
     return max(each, key=lambda x: x.position)
@@ -166,15 +170,16 @@ def farthest_on_the_way(scenario, law, end, size):
 
 @lru_cache(maxsize=64)
 def pushed(scenario, law, samples, size, times, place):
-    """What one of the worst pushes leads to, so many times as large as is allowed."""
+    """Excursion under one of the worst pushes, scaled by ``times``."""
     return attack(scenario, law, times * worst_pushes(scenario, law, samples, size)[place])
 
 
 def worst_errors(scenario, law, samples, kind, size):
-    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` "pose" or "velocity" that lead furthest.
+    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` "pose" or "velocity" that displace the
+    robot most.
 
-    Each of size ``size`` (2) at most, those of the position along the axes of the plane, in which
-    the robot turns.
+    No error exceeds ``size`` (2).  Position errors are along the axes of the plane, in which the
+    robot turns.
     """
     steps, first = scenario.clock.substeps, 2  # the law's first sample knows of no velocity before
     push = np.zeros((samples + first, 2))
@@ -193,13 +198,13 @@ def worst_errors(scenario, law, samples, kind, size):
 
 
 def farthest(scenario, law, samples, size, times=1.0):
-    """The largest of these excursions."""
+    """Largest excursion under the worst pushes that are tried, times ``times``."""
     found = (pushed(scenario, law, samples, size, times, place) for place in range(TRIED))
     return max(found, key=lambda x: x.position)
 
 
 def farthest_misled(scenario, law, samples, kind, times=1.0):
-    """The same by errors of one ``kind`` alone, of the scenario's size, without pushes."""
+    """Largest excursion under errors of one ``kind``, of the scenario's size, without pushes."""
     sensor = scenario.sensor
     size = {"pose": (sensor.pose_noise,) * 2, "velocity": sensor.velocity_noise}[kind]
     push, errors = np.zeros((samples, 2)), worst_errors(scenario, law, samples, kind, size)
@@ -208,7 +213,7 @@ def farthest_misled(scenario, law, samples, kind, times=1.0):
 
 
 def farthest_displaced(scenario, law, samples, times=1.0):
-    """The same by a start at a corner of the box that the scenario names, without pushes."""
+    """Largest excursion from a corner of the scenario's box of starts, without pushes."""
     quiet, size = np.zeros((samples, 2)), times * np.array(scenario.corridor.start)
     corners = (size * (1 - 2 * np.array(corner)) for corner in np.ndindex(2, 2, 2))
     each = (attack(scenario, law, quiet, jump=corner, at=2) for corner in corners)

@@ -1,10 +1,10 @@
-"""Alter each bound of the corridor's computation, one at a time: who notices?
+"""Alter each bound of the corridor's computation, one at a time, and print who notices.
 
     python -m tests.corridor.alterations [FILE ...]
 
 Each ``<=`` and ``>=``, each maximum and minimum, and each ``&=`` of `wmr_proofs/corridor` is turned
-into its opposite.  The checker notices if one of PROBES has no width any more; else the default
-tests of this folder run.  Prints who it was.
+into its opposite.  The checker notices if a case of PROBES no longer gets a width; otherwise the
+default tests of this folder run.
 """
 
 import ast
@@ -50,7 +50,7 @@ is no less than the checker's own when it is printed."""
 
 
 def places(tree):
-    """Each function with the nodes of its bounds."""
+    """Each function with the syntax nodes of its bounds."""
     for owner in ast.walk(tree):
         for node in ast.walk(owner) if isinstance(owner, ast.FunctionDef) else ():
             call = getattr(node, "func", None)
@@ -74,7 +74,7 @@ def turn(node, other):
 
 
 def put(module, tree):
-    """Give the module's functions the code of another tree."""
+    """Replace the code of the module's functions by that of another syntax tree."""
     codes, left = {}, [compile(tree, module.__file__, "exec")]
     while left:
         code = left.pop()
@@ -89,7 +89,7 @@ def put(module, tree):
 
 
 def noticed():
-    """Who notices what was altered."""
+    """Name of the test or checker that notices the altered code."""
     for law, scenario in PROBES:
         try:
             steady = is_steady(setup := settle(scenario, law))
@@ -104,7 +104,7 @@ def noticed():
 
 
 def main(names):
-    """Alter all, or those of the named files."""
+    """Alter all files, or only the named ones."""
     for path in sorted(FOLDER.glob("*.py")):
         if names and path.name not in names:
             continue

@@ -1,4 +1,4 @@
-"""Cases of the further adversaries: bases that take velocities, late commands, poses that are lost.
+"""Cases for the further adversaries: bases that take velocities, late commands, lost poses.
 
 `benchmarks.corridor_further` makes the page's table of them.
 """
@@ -68,9 +68,9 @@ BASES = {
 
 @dataclass(frozen=True)
 class Further:
-    """A scenario and law, and how far off its place [m] an adversary brings it.
+    """A scenario and law, and the distance from its place [m] that an adversary can cause.
 
-    It may push, or mislead, so many times as far as the scenario's bound.
+    ``reach`` takes a factor on the scenario's bound of pushes or errors.
     """
 
     scenario: Scenario
@@ -105,12 +105,14 @@ def on_base(case):
 
 
 def lossy(times):
-    """Poses of which so many in a row may be lost."""
+    """Keys of a scenario in which up to ``times`` poses in a row may be lost."""
     return {"sensor.pose_dropout": 0.1, "corridor.losses": times}
 
 
 def farthest_lost(scenario, pushes, come, velocities=None, law="prox"):
-    """The largest distance and turn where poses ``come`` (samples) at 1 and are lost at 0."""
+    """Largest distance and turn if poses arrive at samples where ``come`` is 1 and are lost where
+    it is 0.
+    """
     found = []
     for k, push in enumerate(pushes):
         velocity = None if velocities is None else velocities[k]
@@ -123,7 +125,7 @@ def farthest_lost(scenario, pushes, come, velocities=None, law="prox"):
 
 
 def with_losses(times):
-    """safe-simulation, of whose poses so many in a row are lost, from any one on."""
+    """safe-simulation, which may lose ``times`` poses in a row from any sample on."""
     scenario = simulated(lossy(times))
 
     def reach(more):
@@ -145,7 +147,9 @@ LINE = changes("""
 
 
 def reckoned_for_long(times):
-    """mb on a line, which reckons for so many samples with a wrong speed; more of them are lost."""
+    """mb on a line, dead reckoning over ``times`` samples with a wrong speed; an attack loses more
+    poses.
+    """
     scenario = simulated(lossy(times), LINE)
 
     def reach(more):
@@ -158,7 +162,7 @@ def reckoned_for_long(times):
 
 
 def with_jitter(steps, size, *parts):
-    """safe-simulation under pushes of ``size`` [N m], with jitter of so many milliseconds."""
+    """safe-simulation under pushes of ``size`` [N m] with jitter of ``steps`` milliseconds."""
     scenario = simulated({"actuator.jitter": 1e-3 * steps, "disturbance.std": size / 3}, *parts)
 
     def reach(more):
@@ -168,7 +172,9 @@ def with_jitter(steps, size, *parts):
 
 
 def with_delay(steps, size, *parts):
-    """The same with a delay of so many milliseconds that the law is not told."""
+    """safe-simulation under pushes of ``size`` [N m] with a delay of ``steps`` milliseconds that
+    the law does not know.
+    """
     told = {"actuator.unmodelled_delay": 1e-3 * steps, "disturbance.std": size / 3}
     scenario = simulated(told, *parts)
 

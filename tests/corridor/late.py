@@ -1,7 +1,7 @@
-"""Adversary of drives with jitter: when each command takes over, chosen against the robot.
+"""Adversary of drives with jitter: it chooses when each command takes over.
 
-A command that was computed acts from the plant step on that its wait says; until then the one
-before it does.  The law is told of the torque that it sent, as the product tells it.
+A command acts after a wait of some plant steps; until then the previous one acts.  The law is given
+the torque that it sent, as in the product.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ ROUNDS = 4
 
 
 class _Waiting:
-    """Drives in which the command of each sample waits for so many plant steps."""
+    """Drives in which the command of sample k waits for ``waits[k]`` plant steps."""
 
     def __init__(self, waits, steps, before):
         self.waits, self.steps, self.before, self.now, self.n = waits, steps, before, before, 0
@@ -27,14 +27,14 @@ class _Waiting:
 
 
 def taken(scenario, v):
-    """Torques that friction takes at a velocity."""
+    """Wheel torques that balance friction at a velocity."""
     robot = scenario.robot
     friction = robot.mu * robot.m * robot.g * np.tanh(v / robot.v_s)
     return wheel_torques((float(friction), 0.0), robot)
 
 
 class Jittered(Attacked):
-    """The oracle's loop behind such drives, whose first command follows what friction takes."""
+    """The oracle's loop with `_Waiting` drives, whose first command balances friction."""
 
     def __init__(self, scenario, law, push, waits):
         super().__init__(scenario, law, push)
@@ -47,7 +47,7 @@ class Jittered(Attacked):
 
 
 def jittered(scenario, law, push, waits):
-    """The Excursion, and the torques that were sent (N, 2)."""
+    """Excursion, and the torques that were sent (N, 2)."""
     loop = Jittered(scenario, law, push, waits)
     loop.run()
     columns = loop.log.columns()
@@ -57,12 +57,12 @@ def jittered(scenario, law, push, waits):
 
 
 def farthest_held(scenario, law, samples, size, wait):
-    """The largest excursion under pushes of ``size`` where every command waits for so long."""
+    """Largest excursion under pushes of ``size`` if every command waits ``wait`` plant steps."""
     return _farthest(scenario, law, samples, size, (wait, wait))
 
 
 def farthest_jittered(scenario, law, samples, size, most, times=1.0):
-    """The largest excursion under pushes of ``size`` and waits of up to ``most`` plant steps."""
+    """Largest excursion under pushes of ``size`` and waits of up to ``most`` plant steps."""
     return _farthest(scenario, law, samples, times * size, (0, most))
 
 

@@ -1,8 +1,7 @@
-"""What the tests' own loops do of each little disturbance of a run, one by one, and their sums.
+"""Responses of the tests' own loops to each small disturbance of a run, and their sums.
 
-The loop is disturbed by a little in one sample and along one axis at a time.  As long as all that
-disturbs is little, its worst sequence leads as far as the sum of the sizes of these answers, in
-each direction and at each plant step.
+One sample and one axis is disturbed at a time.  For small disturbances the worst sequence displaces
+the robot by the sum of the absolute responses, in each direction and at each plant step.
 """
 
 from __future__ import annotations
@@ -23,10 +22,11 @@ SIDES = np.eye(2)
 
 @dataclass(frozen=True)
 class Answers:
-    """Errors e at plant steps (N, 3) [0] and what is sent at samples (n, 2) [1] of a run.
+    """Responses of a run: errors e at plant steps (N, 3) [0] and commands sent at samples (n, 2)
+    [1].
 
-    ``rest``: undisturbed; ``by``: by kind, answers to 1 in a sample along an axis (n, 2, ...);
-    ``start``: to 1 of each element of e at first.
+    ``rest``: undisturbed run.  ``by``: for each kind, responses to 1 in a sample along an axis (n,
+    2, ...).  ``start``: responses to 1 of each element of the initial e.
     """
 
     rest: tuple[np.ndarray, np.ndarray]
@@ -34,9 +34,10 @@ class Answers:
     start: list[tuple[np.ndarray, np.ndarray]]
 
     def sums(self, part, ways, sizes, start):
-        """The most that some ``ways`` of e [0] or of what is sent [1] reach, at each time.
+        """Largest value along any of ``ways`` that e [0] or the command sent [1] can reach, at each
+        time.
 
-        ``sizes``: of each kind, one number for a disc, two for its axes.
+        ``sizes``: for each kind, one number for a disc, two for its axes.
         """
         most = np.abs(self.rest[part] @ ways.T)
         for kind, answers in self.by.items():
@@ -50,14 +51,16 @@ class Answers:
         return most.max(axis=1)
 
     def of_samples(self, ways, sizes, start):
-        """The same of e in each sample: at its plant steps, and at its begin."""
+        """Largest value of e along ``ways`` in each sample: at its plant steps and at its
+        beginning.
+        """
         each = self.sums(0, ways, sizes, start).reshape(len(self.rest[1]), -1)
         begun = (np.abs(ways) @ start).max()
         return np.maximum(each.max(axis=1), np.append(begun, each[:-1, -1]))
 
 
 def of_torques(scenario, law, kinds):
-    """Of a robot whose wheels are pushed, and whose position and velocities are measured amiss."""
+    """Answers of a robot with pushes on its wheels and errors of measured pose and velocity."""
     n = scenario.clock.samples
 
     def fresh():
@@ -90,7 +93,7 @@ def of_torques(scenario, law, kinds):
 
 
 def of_base(scenario, law, kinds):
-    """Of a base that takes velocities, whose commands act a little otherwise than they are sent."""
+    """Answers of a base that takes velocities and executes commands with errors."""
     n = scenario.clock.samples
 
     def ended(**told):

@@ -1,8 +1,8 @@
-"""An adversary of bases that take velocities: a loop of its own, from law to wheels, and its worst.
+"""An adversary of bases that take velocities, with a loop of its own from law to wheels.
 
-Kanayama's command, or that of the model-based law through the inverse of a first order; commands
-under way; a first-order or PI loop in every plant step; the oracle's plant.  The product's filter
-stands in between and is watched: inside the bounds it must not change a command.
+The law is Kanayama's, or the model-based law through an inverse first-order lag.  Behind it are
+commands in transit, a first-order or PI loop in every plant step, and the oracle's plant.  The
+product's filter is between law and base and must not change a command inside the bounds.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ FIRST = 2
 
 @dataclass(frozen=True)
 class Course:
-    """Errors e at all plant steps (N, 3), velocities sent, and whether a filter changed one."""
+    """Errors e at all plant steps (N, 3), velocities sent, and whether the filter changed one."""
 
     e: np.ndarray
     sent: np.ndarray
@@ -47,7 +47,7 @@ class Course:
 
 
 class _Base:
-    """Speed loop, commands under way and firmware, from the velocity of the reference."""
+    """Speed loop, commands in transit and firmware, initially at the reference's velocity."""
 
     def __init__(self, scenario, v, idle):
         self.base, self.robot = scenario.base, scenario.robot
@@ -92,7 +92,7 @@ class _Base:
 
 
 class _Wish:
-    """What the law asks for, with what it remembers."""
+    """The law's command and its memory."""
 
     def __init__(self, scenario, law):
         gains = gains_by_law(scenario)
@@ -120,7 +120,7 @@ class _Wish:
 
 
 class _Sent:
-    """What the product's own controller sends, law, adapter and filter, as it is exported."""
+    """Commands of the product's own controller: law, adapter and filter, as exported."""
 
     def __init__(self, scenario, law, before):
         """``before``: the velocity that was sent until now."""
@@ -137,9 +137,9 @@ class _Sent:
 
 
 def course(scenario, law, samples, *, idle=False, jump=(0.0, 0.0, 0.0), **errors):
-    """The Course under ``errors`` (samples, 2) of KINDS, from a start moved by ``jump``.
+    """Course under ``errors`` (samples, 2) of KINDS, from a start moved by ``jump``.
 
-    "heard": of the command that acts, on top of what the firmware makes of it.
+    The kind "heard" is an error of the command that acts, added before the firmware.
     """
     off = {kind: errors.get(kind, np.zeros((samples, 2))) for kind in KINDS}
     reference, clock = reference_of(scenario.reference), scenario.clock
@@ -185,7 +185,9 @@ def course(scenario, law, samples, *, idle=False, jump=(0.0, 0.0, 0.0), **errors
 
 
 def worst(scenario, law, samples, kind, size):
-    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` and ``size`` (2) that lead furthest."""
+    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` and ``size`` (2) that displace the robot
+    most.
+    """
     steps = scenario.clock.substeps
     rest = course(scenario, law, samples + FIRST).e[(FIRST + 1) * steps - 1 :: steps]
     answers = []
@@ -199,7 +201,7 @@ def worst(scenario, law, samples, kind, size):
 
 
 def farthest(scenario, law, samples, kind, size, times=1.0):
-    """The largest of these courses."""
+    """Course with the largest distance under the worst errors of ``kind``."""
     each = (
         course(scenario, law, samples, **{kind: times * error})
         for error in worst(scenario, law, samples, kind, size)

@@ -1,4 +1,4 @@
-"""Affine forms hold what a graph makes of a box, and what is no number stays none."""
+"""Affine forms enclose a graph's values on a box, and an undefined value stays undefined."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -89,7 +89,7 @@ def test_threads_share_a_graph_and_not_its_boxes():
 
 
 def test_numbers_that_are_known_to_be_equal_are_not_below_each_other():
-    """One is at most the other: both are certain."""
+    """Equal numbers: "less" is certainly false, "at most" certainly true."""
     zero = Form(ca.SX(0), ca.SX(1, 1), ca.SX(0), ca.SX(0))
     below, at_most = (_below(strict)(zero, zero) for strict in (True, False))
 

@@ -1,4 +1,4 @@
-"""The corridor against an adversary on the tests' own loop, and what it refuses."""
+"""Corridors against an adversary on the tests' own loop, and their refusals."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Steps of the certificate by themselves: each bounds what it says, for deviations made by hand."""
+"""Each step of the certificate bounds what it says it bounds, for deviations made by hand."""
 
 from copy import copy
 from dataclasses import replace
@@ -26,12 +26,12 @@ NOISY = {"sensor.velocity_noise": NOISE.tolist(), "guard.enabled": False}
 
 @pytest.fixture(scope="module")
 def certifier():
-    """Of a law with an observer, whose velocities are measured amiss."""
+    """Certifier of a law with an observer and errors of measured velocities."""
     return Certifier(settle(safe(NOISY), "kanayama"))
 
 
 def peaks_of(certifier, e):
-    """The largest rows that one deviation (5) of error and velocity leads to."""
+    """Largest rows that one deviation (5) of error and velocity causes."""
     size = len(certifier.loop.names)
     whole = np.zeros(size)
     whole[:5] = e
@@ -44,7 +44,7 @@ def peaks_of(certifier, e):
 
 
 def test_inputs_are_as_large_as_the_scenario_says():
-    """A position is off by both of its errors; a command by half a step to either side."""
+    """A position has both of its errors; a command is off by half a step to either side."""
     noisy = changes("""
         sensor.pose_noise = 0.03
         sensor.velocity_noise = [0.01, 0.02]
@@ -87,7 +87,7 @@ def test_a_condition_that_is_used_by_more_than_all_is_broken(certifier, share, b
 
 
 def test_commands_that_may_be_small_may_be_taken_for_none(certifier):
-    """With a dead band of half the command that is sent on the reference."""
+    """The dead band is half the command on the reference."""
     level = np.abs(certifier.loop.remains[:2])
     inputs = replace(certifier.inputs, dead=0.5 * level)
     still, moved = (certifier._law_rest(inputs, share * level)[:2] for share in (0.4, 0.6))
@@ -97,7 +97,7 @@ def test_commands_that_may_be_small_may_be_taken_for_none(certifier):
 
 
 def test_a_start_counts_what_was_measured_and_estimated_before_it(certifier):
-    """Each of the three by itself; and without a start none of them."""
+    """Start, pose error and earlier estimates count one by one; without a start, none does."""
     one, inputs = copy(certifier), replace(certifier.inputs, pose=0.02)
     one.begun = 0.005
     blank = {name: np.zeros_like(getattr(certifier.gains.fast, name))
@@ -128,7 +128,7 @@ def test_within_a_sample_what_every_plant_step_adds_counts_besides(certifier):
 
 
 def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it():
-    """By a round of the test's own after the other, of a remainder that is the error's square."""
+    """The test iterates the bound itself, for a remainder that is the square of the error."""
     scenario = safe()
     curve = SimpleNamespace(
         remainders=lambda products: products[:3, None, :] * np.array([0.3, 0.2, 0, 0.5, 0]),

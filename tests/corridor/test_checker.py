@@ -1,5 +1,6 @@
-"""The checker, which shares no code with the computation, accepts what that states, and nothing
-that is stated too small."""
+"""The checker shares no code with the computation.  It accepts what that states, and rejects bounds
+that are too small.
+"""
 
 from dataclasses import fields, replace
 
@@ -57,7 +58,7 @@ def standing(changes):
 
 @pytest.fixture(scope="module")
 def circle():
-    """Certificate with a start, poses and velocities with errors, and jitter."""
+    """Certificate with a start, errors of poses and velocities, and jitter."""
     return standing({
         **FREE, "actuator.jitter": 0.002, "corridor.start": [1e-4, 1e-4, 1e-3],
         "sensor.pose_noise": 1e-5, "sensor.velocity_noise": [1e-4, 2e-4],
@@ -72,7 +73,7 @@ def passed(told, law="mb"):
 
 @pytest.fixture(scope="module")
 def eight():
-    """Certificate of a run on an eight, with a change of the robot, a start and wrong poses."""
+    """Certificate of a run on an eight, with a change of the robot, a start and pose errors."""
     return stated.of_run(*passed({
         "changes": [{"t": 0.505, "m": 60.0}], "corridor.start": [1e-4, 1e-4, 1e-3],
         "sensor.pose_noise": 1e-5, "sensor.velocity_noise": [1e-4, 2e-4],
@@ -160,7 +161,7 @@ def test_a_size_of_the_other_sign_is_refused(circle, name):
 
 
 def scaled(graph, share, rows):
-    """The graph with the deviations of some outputs from its values there multiplied."""
+    """The graph with deviations of some outputs from their values at the centre multiplied."""
     by = [ca.SX.sym("by", graph.numel_in(k)) for k in (0, 1)]
     output = ca.densify(graph(*by))
     output[rows] = share * output[rows]
@@ -201,7 +202,7 @@ def test_another_delay_other_pairs_or_another_course_are_refused(circle, eight):
 
 
 def test_every_part_of_a_certificate_is_altered_here():
-    """Apart from numbers of columns, and points around which the graphs are expanded."""
+    """Exceptions are numbers of columns, and points around which the graphs are expanded."""
     altered = {*LARGER, "fast", "state", "out", "law", "step", "sizes", "lower", "late", "ratios",
                "states", "fine", "outs", "body", "aside", "lags"}  # fmt: skip
     sizes = {"queue", "memory", "acting", "share", "knots", "pairs", "disc"}

@@ -1,4 +1,4 @@
-"""What is left between a path, its corridor, a body and obstacles."""
+"""Clearance of a path with its corridor and the robot's body from obstacles."""
 
 import math
 
@@ -17,7 +17,7 @@ CIRCLE, WALL = [0.0, 2.0, 0.5], [[2.6, -1.0], [2.8, -1.0], [2.8, 5.0], [2.6, 5.0
 
 
 def placed(shapes, **others):
-    """The guarded circle, of 2 m about (0, 2), with obstacles and a body of 0.3 m."""
+    """The guarded circle with radius 2 m about (0, 2), obstacles, and a body of 0.3 m."""
     told = {"reference.keep_out": shapes, "body.radius": 0.3, **others}
     return safe(told)
 

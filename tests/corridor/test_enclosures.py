@@ -1,4 +1,4 @@
-"""What the certificate rests on: balls that hold graphs, gains that hold responses."""
+"""Foundations of the certificate: balls that enclose graphs, gains that bound responses."""
 
 from functools import partial
 

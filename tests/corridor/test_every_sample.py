@@ -1,4 +1,6 @@
-"""Bounds of each sample of a whole run: as far as all that disturbs leads at worst, hardly more."""
+"""Bounds of each sample of a whole run are reached by the worst disturbances and hardly exceed
+them.
+"""
 
 import re
 from itertools import product
@@ -24,7 +26,7 @@ PERIOD = 0.05
 
 
 def timed(period, samples):
-    """Samples of two plant steps each."""
+    """Clock settings with two plant steps a sample."""
     return {"clock.control": period, "clock.plant": period / 2,
             "clock.duration": samples * period, "changes": []}  # fmt: skip
 
@@ -158,7 +160,7 @@ LONG = simulated(timed(PERIOD, 160), LOUD)
 
 
 def test_a_set_that_does_not_stand_is_not_taken_for_one(monkeypatch):
-    """What its samples add is guessed to be half as much as it is."""
+    """The contribution of its samples is guessed to be half of the true one."""
     monkeypatch.setattr(passage, "HELD", 0.5)
     setup = settle(LONG, "prox")
     course = Passing(Along(setup), bounded_inputs(setup), np.zeros(3)).run().position
@@ -234,14 +236,14 @@ def test_a_dead_band_that_pushes_bring_commands_into_is_counted():
 
 
 def test_infinite_guess_does_not_hold():
-    """As large as the guess may be, nothing follows from one without an end."""
+    """Nothing may follow from an infinite guess, however large guesses may be."""
     endless, less = (Guess(*np.full((3, 1, 2), size)) for size in (np.inf, 1.0))
     assert less.holds(less)
     assert not endless.holds(less)
 
 
 def test_reason_of_refusal_has_a_number():
-    """Friction that the law believes in and the robot has not: deviations grow without end."""
+    """The law compensates friction that the robot does not have: deviations grow without bound."""
     given = changes("""
         reference.kind = stop-and-go
         robot.m = 37.0

@@ -1,4 +1,4 @@
-"""Forces within the conditions on a guard, which the tests' own guard passes, and some beyond."""
+"""Forces within the guard's conditions pass the tests' own guard; some beyond them do not."""
 
 import casadi as ca
 import numpy as np

@@ -34,7 +34,7 @@ SWINGING = """
 
 @pytest.mark.slow
 def test_close_to_where_its_changes_feed_themselves_there_is_a_corridor_and_beyond_it_none():
-    """The largest change of a command is 30 times what it is without jitter."""
+    """The largest change of a command is 30 times its value without jitter."""
     plain, tube, over = (
         find_corridor(simulated(SWINGING, {"actuator.jitter": 2.5e-3 * steps}), "kanayama")
         for steps in (0, 5, 6)

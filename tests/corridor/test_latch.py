@@ -1,4 +1,4 @@
-"""From when on a run is held by the corridor, and what it proves if it leaves."""
+"""When the corridor starts to hold a run, and what leaving it proves."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_what_holds_after_the_latch_comes_down_to_the_corridor(certifier):
 
 
 def test_no_sample_from_the_box_goes_farther_than_it_says(certifier):
-    """Against the tests' own loop: moved within the box, pushed at random."""
+    """The tests' own loop starts within the box and is pushed at random."""
     scenario, rng = safe(), np.random.default_rng(5)
     held = certifier.tube(certifier.inputs).peaks.times(1.2)
     box = 0.3 * held.state
@@ -50,7 +50,7 @@ def test_no_sample_from_the_box_goes_farther_than_it_says(certifier):
 
 @pytest.mark.slow
 def test_a_push_that_nobody_told_of_is_proved_to_have_been(monkeypatch, tmp_path):
-    """An effect whose bound says that it does nothing; the run says that this was false."""
+    """An effect's bound says that it does nothing; the run proves that wrong."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
     shoved = SHORT | changes("shove.force = 300.0; shove.start = 30.0; shove.time = 0.5")
     run = simulate("safe-simulation", "prox", seed=3, overrides=shoved)

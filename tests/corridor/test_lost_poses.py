@@ -1,4 +1,4 @@
-"""The corridor where poses are rare or lost, and reckoned from the measured velocity in between."""
+"""Corridors with rare or lost poses and dead reckoning between them."""
 
 import re
 
@@ -34,7 +34,7 @@ def test_pushes_do_not_drive_it_out_whatever_poses_are_lost_up_to_the_bound():
 
 @pytest.mark.slow
 def test_over_any_number_of_samples_more_than_are_summed_up_cost_no_less():
-    """Sums of more samples than have a row of their own are put together of those that have."""
+    """Sums of more samples than the table's rows are composed of those rows."""
     corridors = [find_corridor(simulated(lossy(times)), "prox").position for times in (5, 9, 12)]
     kept = reckoning.MOST_ROW_SAMPLES
     reckoning.MOST_ROW_SAMPLES = 5

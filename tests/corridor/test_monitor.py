@@ -1,4 +1,4 @@
-"""The corridor's monitor as C and as an FMU: what it tells is what runs are judged by."""
+"""The corridor's monitor, as C and as an FMU, gives the verdict by which runs are judged."""
 
 import ctypes as ct
 import subprocess
@@ -36,7 +36,7 @@ def monitor():
 
 @pytest.fixture(scope="module")
 def shoved():
-    """A run that is pushed as nobody stated, and what a monitor beside it is given."""
+    """A run with an undeclared push, and the inputs of a monitor beside it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(EFFECTS.__dict__, "plugins", (SHOVE,))
         run = simulate(CASE, "prox", seed=3, overrides=SHOVED)

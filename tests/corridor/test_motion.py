@@ -1,4 +1,4 @@
-"""Motions of a reference: chords, and remainders in parts, with numbers of the tests' own."""
+"""Motions of a reference: chords, and remainders in parts, against numbers of the tests' own."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_an_arc_is_off_its_sum_by_simpsons_rule_by_no_more_than_is_counted(step)
 
 @pytest.mark.parametrize("steep", [lambda s: s**8, lambda s: float(s > 0.95), lambda s: 1.0])
 def test_a_remainder_in_parts_is_not_below_the_integral_it_stands_for(steep):
-    """2 (1 - s) times a bend that grows with the box, over s from 0 to 1."""
+    """The integrand is 2 (1 - s) times a curvature that grows with the box, over s from 0 to 1."""
     curve = MovingCurve.__new__(MovingCurve)
     curve.bends, curve._rows = np.array([[0, 0, 0]]), np.eye(1)
     curve.steep, curve.little = slice(0, 1), 0.0

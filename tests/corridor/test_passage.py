@@ -1,4 +1,4 @@
-"""What a passage rests on: spans, the undisturbed run, matrices of samples, sums of columns."""
+"""Foundations of a flowpipe: spans, the undisturbed run, sample matrices, generator sums."""
 
 from copy import copy
 
@@ -140,7 +140,7 @@ def test_a_loop_with_more_numbers_than_rounding_is_counted_for_is_refused():
 
 @pytest.mark.parametrize("wide", [1e-4, 0.02, 0.3])
 def test_secants_leave_no_more_than_they_say(wide):
-    """Of a graph whose tanh turns over within the box, from any point of the undisturbed loop."""
+    """The graph's tanh turns over within the box; start points are any of the undisturbed loop."""
     by, number, rng = ca.SX.sym("by", 2), ca.SX.sym("number"), np.random.default_rng(7)
     output = ca.vertcat(number * ca.tanh(by[0] / 0.01) + by[1] ** 2, ca.sin(by[1]) * by[0])
     curve = MovingCurve("f", by, number, output, (slice(1), 1.0))
@@ -182,7 +182,7 @@ def test_sums_in_single_precision_are_not_below_those_in_double():
 
 
 def test_columns_of_some_samples_stand_for_those_between():
-    """Rows reach at least as far by them, beside what is counted as a box, and little farther."""
+    """Their rows, plus a box, reach at least as far as all columns, and little farther."""
     rng, times = np.random.default_rng(8), 0.03 * np.arange(40)
     turn, grow = rng.normal(size=(2, 4, 3))
     courses = np.array([[g * np.exp(-t) * np.cos(3 * t + a) for t in times]
@@ -202,7 +202,7 @@ def test_columns_of_some_samples_stand_for_those_between():
 
 
 def test_a_loop_that_forgets_before_a_block_ends_is_followed(monkeypatch):
-    """Its columns are fewer than a block's samples where a change cut a block short."""
+    """It has fewer columns than a block has samples if a change cuts a block short."""
     monkeypatch.setattr("wmr_proofs.corridor.along.forgets", lambda *_: 12)
     told = changes("""
         clock.duration = 1.5

@@ -18,7 +18,7 @@ CAUSES = ("disturbance.truncate", "[encoder]", "linear loop")
 
 @pytest.fixture(scope="module")
 def corridors():
-    """Of kanayama, which is the law of most presets."""
+    """Corridors of all presets under kanayama, the law of most presets."""
     return {name: find_corridor(load_scenario(name), "kanayama") for name in preset_names()}
 
 
@@ -29,7 +29,7 @@ def is_told(name, corridor):
 
 
 def reason_in_file(name):
-    """The comment of a preset that says what stops the certificate."""
+    """The preset's comment that says why there is no certificate."""
     text = (files("wmr_ctrl.world.scenario") / "presets" / f"{name}.toml").read_text("utf-8")
     return next((line for line in text.splitlines() if line.startswith("# No corridor")), None)
 
@@ -56,7 +56,9 @@ def test_presets_without_say_what_stops_it(corridors):
 
 
 def test_runs_stay_in_the_corridors_of_their_presets(corridors):
-    """From a start on the path; of bases from 20 s on, as no run begins with commands under way."""
+    """Runs start on the path.  Bases are compared from 20 s on, because no run starts with commands
+    in transit.
+    """
     for name, corridor in corridors.items():
         if not is_told(name, corridor):
             continue

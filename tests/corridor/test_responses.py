@@ -1,4 +1,4 @@
-"""What rows make of a loop's responses, for a loop of which every sum is known: x' = a x + b u."""
+"""Sums of a loop's responses, for a loop with known sums: x' = a x + b u."""
 
 from itertools import product
 
@@ -23,7 +23,7 @@ OWN = np.abs(RNG.normal(size=(N, STEPS)))
 
 
 def near_above(found, least, spare=0.0):
-    """Bounds that are never below, and above by rounding and a part of the tail at most."""
+    """Assert that bounds are never too small, and too large by rounding and ``spare`` at most."""
     assert (found >= least).all()
     assert (found <= (least + spare) * (1 + 1e-9) + 1e-9).all()
 
@@ -55,7 +55,7 @@ def gains(responses, rows):
 
 
 def test_what_is_carried_from_sample_to_sample_adds_up_with_its_signs(responses, rows):
-    """y' = T y + rows, from 0: by answers to single inputs, of the test's own recursion."""
+    """y' = T y + rows, from 0, against responses to single inputs of the test's own recursion."""
     turned = np.array([[1.0, 0.3, 0.0], [-0.3, 1.0, 0.0], [0.0, 0.0, 0.9]])
     each = list(responses.carried(rows, turned, NOW, 3))
     for count, found in enumerate(each, start=1):

@@ -1,4 +1,4 @@
-"""Corridors that are asked for in several threads at once, or after other balls."""
+"""Corridors computed in several threads concurrently, or after other uses of balls."""
 
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -17,7 +17,7 @@ MADE_BY = ((masses, "certified"), (whole, "certified_run"), (latch, "monitor_of"
 
 @pytest.fixture
 def together(monkeypatch):
-    """Threads found certifying, each time that one begins."""
+    """Numbers of threads that compute simultaneously, one entry per computation."""
     now, found = [], []
 
     def certifying(*given, **more):
@@ -39,7 +39,7 @@ def together(monkeypatch):
 
 
 def test_one_thread_certifies_at_a_time(together, monkeypatch):
-    """They share python-flint's precision, which one would change under another's sums."""
+    """Threads share python-flint's precision; one would change it during another's sums."""
     scenario = safe()
     monkeypatch.setattr(corridor, "scenario_of_run", lambda run: scenario)
     run = SimpleNamespace(law="prox", settings=SimpleNamespace(plant_kind="mujoco"))

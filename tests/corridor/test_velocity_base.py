@@ -19,7 +19,7 @@ from wmr_proofs.corridor.certificate import Certifier
 
 @pytest.mark.slow
 def test_it_starts_with_commands_under_way_and_an_observer_that_knows_of_them():
-    """Without commands under way the robot falls behind, which is not counted and is said."""
+    """Without commands in transit the robot falls behind; the answer says that this is excluded."""
     scenario = burger(QUIET, WIDE)
     certifier = Certifier(settle(scenario, "prox"))
     force, _ = certifier.loop.observed
@@ -94,7 +94,9 @@ def test_a_base_that_takes_velocities_has_no_monitor():
 
 @pytest.mark.slow
 def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_run():
-    """The corridor for good begins with commands of the reference's speed, which no run has."""
+    """The permanent corridor starts with commands at the reference's speed in transit, which no run
+    has.
+    """
     scenario = burger("clock.duration = 4.0")
     run = simulate(scenario, "kanayama")
     known = find_corridor(scenario, "kanayama", whole=True)
@@ -129,7 +131,7 @@ def test_nothing_is_promised_of_obstacles_where_only_the_corridor_for_good_is_kn
 
 @pytest.mark.slow
 def test_a_ramp_behind_a_small_dead_band_has_a_corridor():
-    """The change that a ramp may leave has room for what the dead band adds to it."""
+    """The bound on a ramp's change includes the step that the dead band adds."""
     told = changes("""
         base.accel = [2.0, 12.0]
         base.deadband = [0.005, 0.01]

@@ -26,7 +26,7 @@ def numbers(monitor):
 
 
 class Made:
-    """A run of the tests' own loop that is moved 5 cm ahead at a sample."""
+    """A run of the tests' own loop that is displaced 5 cm ahead at a sample."""
 
     law, guard = "prox", False
 
@@ -50,7 +50,7 @@ class Made:
 
 
 def watched(monitor, run):
-    """What it tells at each sample."""
+    """The monitor's outputs held, left, certified and distance, each with a column a sample."""
     names = [item.signal.name for item in monitor.inputs]
     step, x, told = monitor.function("step", [monitor.update, monitor.y]), monitor.x0, []
     for u in np.hstack([run[name].reshape(run.rows, -1) for name in names]):
@@ -60,7 +60,7 @@ def watched(monitor, run):
 
 
 def test_what_is_certified_comes_down_after_each_round_of_samples(monitor, numbers):
-    """Of a robot that never leaves its path; the first sample knows of none before."""
+    """The robot never leaves its path.  The first sample has no history."""
     K, most = int(numbers["corridor.samples"][0]), numbers["corridor.position"]
     run = Made(override(CASE, {"clock.duration": (2 * K + 8) * PERIOD}), -1)
     held, left, certified, distance = watched(monitor, run)
@@ -120,7 +120,7 @@ def test_what_is_measured_amiss_widens_what_a_monitor_certifies():
 
 
 def test_what_stays_free_of_a_whole_run_is_what_its_corridor_leaves():
-    """Not the one that holds until the robot becomes heavier."""
+    """The clearance is not that of the corridor that ends when the robot becomes heavier."""
     near = changes("reference.keep_out = [[0.0, 2.0, 1.0]]; body.radius = 0.3")
     tube = find_corridor(
         simulated(timed(PERIOD, 16), LITTLE, heavier(0.225), near), "prox", whole=True

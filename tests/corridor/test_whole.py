@@ -1,4 +1,4 @@
-"""The corridor over a whole run, along a path that changes its velocity and past changes."""
+"""The corridor over a whole run, along a path with varying velocity and past changes."""
 
 from time import sleep
 
@@ -92,7 +92,7 @@ LOADED = changes("""
 
 @pytest.mark.parametrize("named", [{"m": 62.0}, {"I": 6.6}], ids=str)
 def test_with_cells_a_change_of_mass_or_inertia_is_one_of_both(named):
-    """A body whose inertia changes has another mass, too, within what the guard counts on."""
+    """A body whose inertia changes also has another mass, within what the guard assumes."""
     told = {"corridor.cells": 2, "changes": [{"t": 1.0, "mu": 0.03}, {"t": 3.0, **named}]}
     setup = settle(safe({**LOADED, **told}), "prox")
     courses = [
@@ -137,7 +137,9 @@ def test_too_many_mass_histories_are_refused():
 
 @pytest.mark.slow
 def test_what_stays_free_counts_on_the_corridor_that_there_is():
-    """The whole run has none, with a friction that wheels cannot bear; until then there is one."""
+    """Friction that the wheels cannot bear leaves the whole run without a corridor; until then
+    there is one.
+    """
     told = changes("""
         reference.keep_out = [[0.0, 2.0, 1.0]]
         body.radius = 0.3
@@ -163,7 +165,7 @@ def test_a_law_that_predicts_is_refused_by_a_sentence(whole):
 
 
 def test_the_first_estimate_of_a_pose_is_off_by_what_the_heading_makes_of_a_period():
-    """Of poses that are corrected in part, turned back by a heading that is off, too."""
+    """Poses are corrected in part and predicted with a wrong heading."""
     told = changes("""
         sensor.correction = 0.4
         clock.control = 0.1
@@ -184,7 +186,7 @@ def test_the_first_estimate_of_a_pose_is_off_by_what_the_heading_makes_of_a_peri
 
 @pytest.mark.parametrize("kind", ["circle", "lemniscate"])
 def test_what_pushes_at_each_plant_step_by_chance_is_refused_by_name(monkeypatch, kind):
-    """The plant step's graph is read with random numbers 0."""
+    """The plant step's graph is read with all random numbers 0."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", (GUST,))
     told = {"toy_gust.torque": 1.0, "guard.enabled": False, "reference.kind": kind}
     tube = find_corridor(safe(told), "prox", whole=True)
