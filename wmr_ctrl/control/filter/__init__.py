@@ -1,7 +1,7 @@
-"""The command filter of bases that take velocities: a command goes in, one that is safe comes out.
+"""Command filter of bases that take velocities: it changes a command into a safe one.
 
-``clip`` and ``governor`` for bases whose speed follows its command by a first-order lag; ``clip``
-too for chains that never overshoot and, by their peak gain, for linear loops that do.
+``clip`` and ``governor`` serve bases whose speed follows its command by a first-order lag.
+``clip`` also serves chains that never overshoot and, through their peak gain, linear loops that do.
 `docs/explanation/filter.md` has the theorems and their hypotheses.
 """
 

@@ -1,10 +1,10 @@
-"""Commands that a base cannot follow, reduced to what it can do before they are filtered.
+"""Reduction of a command to what the base can do, before it is filtered.
 
 A base with a least turning radius cannot turn on the spot: omega is limited to |v| over that
-radius.  With filter.least a command within the dead band becomes 0 or the least one that acts, b,
-so that the base does in the mean what was asked.  With r, what was asked for and not sent so far, a
-pulse of b begins once |r + u| >= b and ends once r + u has changed its sign: r stays within b.  The
-filter passes the result like any other command.
+radius.  With filter.least a command within the dead band becomes 0 or b, the least command that
+acts, so that the base moves as requested on average.  With r, the requested but not yet sent sum, a
+pulse of b begins once |r + u| >= b and ends once r + u has changed its sign: |r| stays within b.
+The filter treats the result like any other command.
 """
 
 from dataclasses import replace
@@ -35,13 +35,15 @@ def turning(asked: ca.SX, radius: ca.SX) -> ca.SX:
 
 
 def turned(scenario: Scenario, p: Parameters, asked: ca.SX) -> ca.SX:
-    """The part of the command ``asked`` (2,) that a base of this scenario can follow."""
+    """Part of the command ``asked`` (2,) that a base of this scenario can follow."""
     able = not scenario.takes_velocity or not scenario.base.min_radius
     return asked if able else turning(asked, p.take("base.min_radius"))
 
 
 def least_or_none(asked: ca.SX, least: ca.SX, rest: ca.SX, way: ca.SX) -> tuple[ca.SX, ...]:
-    """A command (2,) that acts or is 0, what of those asked for is not sent, and its way (2,)."""
+    """Command (2,) that is 0 or large enough to act, the sum not yet sent, and the pulse's sign
+    (2,).
+    """
     total = rest + asked
     begins = ca.if_else(ca.fabs(total) >= least, ca.sign(total), 0)
     now = ca.if_else(total * way > 0, way, begins)
@@ -53,7 +55,9 @@ def least_or_none(asked: ca.SX, least: ca.SX, rest: ca.SX, way: ca.SX) -> tuple[
 def pulsed(
     scenario: Scenario, p: Parameters, asked: ca.SX
 ) -> tuple[ca.SX, list[Port], list[ca.SX]]:
-    """The command (2,) that acts or is 0 on v and omega, then on each rim; state and its update."""
+    """Command (2,) made 0 or large enough to act, for v and omega, then for each rim; state and its
+    update.
+    """
     base, state, following = scenario.base, list[Port](), list[ca.SX]()
     for name, size in (("deadband", max(base.deadband)), ("wheel_deadband", base.wheel_deadband)):
         if not scenario.filter.least or size == 0:

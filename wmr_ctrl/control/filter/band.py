@@ -1,20 +1,20 @@
-"""Governor of linear loops of any damping, from the commands that it sent: no odometry is used.
+"""Governor of linear loops of any damping that uses the commands sent and no odometry.
 
-The base: v = sum of Delta_j S(age_j) + the response to pushes, which is at most delta in size, with
-Delta_j the changes of its command so far and a step response S between low and high
-(`step_response`), the same at all times. What is known of v and of -v at s from now, if the command
-stays as it is, is
+The base: v = sum of Delta_j S(age_j) + the response to pushes, which is at most delta in size.  The
+Delta_j are the changes of its command so far, and S is a step response between low and high
+(`step_response`), the same at all times.  If the command stays as it is, v and -v at s from now are
+bounded by
 
     v(s) <= u + over(s),   -v(s) <= -u + under(s)                                        s >= 0
     over(s) = sum Delta_j^+ (high(age_j + s) - 1) + Delta_j^- (1 - low(age_j + s))
 
-with the parts Delta^+ - Delta^- of each change, ``under`` the same with the parts exchanged, and
-behind the tables left exp(-rate t) for both brackets.  A change D to the command u adds D^+ high(s)
-- D^- low(s) to the first and D^- high(s) - D^+ low(s) to the second.  It is admitted where both
-stay within c = (V - delta)/K for all s, and also if the command 0 follows a period later: so 0 is
-always admitted, and the admitted commands are an interval around it.  A delay that is constant
-moves all of this in time, for every command alike.  It starts at rest, and what it is told as time
-since the last sample must be what has passed, or not above 0.
+with the parts Delta^+ - Delta^- of each change; ``under`` has the parts exchanged.  Behind the
+tables both brackets are left exp(-rate t).  A change D of the command u adds D^+ high(s) - D^-
+low(s) to the first bound and D^- high(s) - D^+ low(s) to the second.  The change is admitted if
+both stay within c = (V - delta)/K for all s, also if the command 0 follows a period later.  So 0 is
+always admitted, and the admitted commands are an interval around it.  A constant delay only shifts
+all of this in time.  The governor must start while the base is at rest.  The elapsed time that a
+step is given must be the true one; 0 or less means that it is unknown.
 """
 
 from collections.abc import Sequence
@@ -265,7 +265,7 @@ def response_table(known: Band) -> ResponseTable:
 
 
 def rounded_slopes(table: ResponseTable) -> list[np.ndarray]:
-    """`inverse_slopes`, rounded such that none admits more."""
+    """`inverse_slopes`, rounded so that none admits a larger command."""
     held, rise, fall = (np.array(_numbers_of(item)) for item in inverse_slopes(table))
     wider = 2.0**-50
     return [1 / (1 / held + wider), 1 / (1 / rise + wider), 1 / (1 / fall - wider)]
@@ -310,7 +310,9 @@ def check_beat(scenario: Scenario) -> None:
 
 
 def enclosed(scenario: Scenario, axis: int) -> Band:
-    """Tables of an axis' family.  ScenarioError where it is too slow for the control period."""
+    """Tables of an axis' family of loops.  Raises ScenarioError if it is too slow for the control
+    period.
+    """
     settings, T = scenario.filter, scenario.clock.control
     if settings.loop[axis] == "pi":
         known = _pi_band(pi_loop(scenario, axis), T, settings.jitter)

@@ -1,8 +1,8 @@
 """Limited speeds, and a command scaled to meet all of their limits.
 
 A channel is a speed that follows its own command independently: v and omega, or the ground speed of
-each wheel, v + l omega and v - l omega.  Their limits are a convex set of commands around 0, so
-each command has a largest share that is safe; scaled by it, it keeps omega/v, the path's curvature.
+each wheel, v + l omega and v - l omega.  Their limits form a convex set of commands around 0, so
+each command has a largest safe share.  Scaling by this share keeps omega/v, the path's curvature.
 
 Unequal wheels couple v and omega: then the wheels are the channels, each limited to min(V, l
 Omega), so that |v| <= V and |omega| <= Omega follow (`filter.wheel-box`).
@@ -76,11 +76,11 @@ FLAG_MEANINGS = {
 
 @dataclass(frozen=True)
 class Channel:
-    """Speed ways[0] v + ways[1] arm omega with its numbers; ``largest``: values of its limits.
+    """The speed ways[0] v + ways[1] arm omega, its numbers, and its limits' values ``largest``.
 
-    ``ways``: 1, -1 or 0 each.  ``sides``: numbers of the speed and of its negative, once where they
-    are the same.  ``made_of``: positive numbers of which the least or the largest is among them,
-    each of which may be none.
+    ``ways``: 1, -1 or 0 each.  ``sides``: numbers of both directions, or once if they are equal.
+    ``made_of``: positive numbers whose minimum or maximum is one of the channel's numbers; each may
+    be NaN.
     """
 
     ways: tuple[int, int]
@@ -91,7 +91,7 @@ class Channel:
 
     @property
     def bounds(self) -> FirstOrder:
-        """Numbers of the speed; of its negative only the limit may be another."""
+        """Numbers of the forward direction.  Backwards only the limit may differ."""
         return self.sides[0]
 
     def of(self, pair: Sequence[ca.SX | int] | ca.SX) -> ca.SX:
@@ -108,10 +108,10 @@ TOLD = (LIMITS, FREE, FREE_AGE)
 
 
 def told_limits(told: ca.SX, channels: Sequence[Channel]) -> list[list[ca.SX]]:
-    """Limits in force of the axes, forwards and then backwards, by those that are told (4,).
+    """Limits in force of both axes, forwards and then backwards, from the received ones (4,).
 
-    Each is at most the scenario's, and at least the push, with which only 0 is sent: so is one that
-    is no number.
+    Each is at most the scenario's limit and at least the push, at which only 0 is sent.  NaN counts
+    as the push.
     """
     sides = []
     for place, way in enumerate(WAYS):
@@ -126,7 +126,7 @@ def told_limits(told: ca.SX, channels: Sequence[Channel]) -> list[list[ca.SX]]:
 
 
 def unusable_limits(told: ca.SX) -> ca.SX:
-    """Flag of limits (4,) of which one is no number."""
+    """Flag that one of the limits (4,) is not a number."""
     numbers = reduce(ca.logic_and, (is_number(told[k]) for k in range(4)))
     return ca.if_else(numbers, 0, LIMIT_REFUSED)
 
@@ -137,7 +137,7 @@ def is_nothing(command: ca.SX) -> ca.SX:
 
 
 def two_sided(channels: Sequence[Channel]) -> list[Channel]:
-    """Channels with numbers of each direction, also where both are the same."""
+    """Channels with separate numbers for both directions, even if these are equal."""
     return [replace(c, sides=(c.sides[0], c.sides[-1])) for c in channels]
 
 
@@ -148,7 +148,7 @@ def largest_commands(channels: Sequence[Channel]) -> tuple[list[ca.SX], list[ca.
 
 
 def ends_of(p: Parameters, name: str) -> list[tuple[ca.SX, ca.SX]]:
-    """Least and largest number called ``name`` of v and of omega, by one interval or by two."""
+    """Least and largest number called ``name`` of v and of omega, which may share one interval."""
     ends = ca.vertsplit(p.take(f"filter.{name}"))
     return [(ends[0], ends[1]), (ends[-2], ends[-1])]
 
@@ -207,10 +207,10 @@ def channels_of(
 
 
 def _kept(limits: Limits, p: Parameters, d: ca.SX) -> list[ca.SX]:
-    """Limits (2,) to aim at, forwards and backwards where they may differ.
+    """Limits (2,) to aim at, forwards and backwards if they may differ.
 
-    What pushes alone lead to is never beyond one that admits it: 0 keeps it, and is then all that
-    is sent, also to brake, since no margin is left for roundings.
+    They are never below the speed that pushes alone cause, if the full limit admits that speed.
+    Then only 0 is sent, also for braking, since no margin is left for rounding.
     """
     aimed = sides(limits, p, ROUNDING)
     if not limits.apart:
@@ -249,9 +249,9 @@ def stretched(
 def one_first(
     r: Sequence[ca.SX], channels: Sequence[Channel], lo: list[ca.SX], hi: list[ca.SX], first: int
 ) -> ca.SX:
-    """One axis' command (of both) limited first, then the other's within the remaining range.
+    """Command with one axis limited first, then the other within the remaining range.
 
-    The limits apply one by one, so that those known early do not wait for others.
+    The limits apply one by one, so that limits known early can be used before the others.
     """
     sent = [ca.SX(0), ca.SX(0)]
     for axis in (first, 1 - first):

@@ -1,13 +1,14 @@
-"""Memoryless clip of commands: it keeps the limit without odometry, whatever was sent before.
+"""Memoryless clip of commands, which keeps the limit without odometry for any earlier commands.
 
-A base that never overshoots is kept by |u| <= (V - dbar)/K_max; a linear loop, which may, by |u| <=
-(V - delta)/N with its peak gain N and what pushes alone lead to, delta (`peak_gain`). The two axes
-may differ in this. Neither bound depends on when a command arrives: late, lost, jittering and
-timed-out ones are commands within the same bounds.
+A base that never overshoots keeps its limit under |u| <= (V - dbar)/K_max.  A linear loop, which
+may overshoot, keeps it under |u| <= (V - delta)/N, with its peak gain N and the speed delta that
+pushes alone cause (`peak_gain`).  The two axes may differ in this.  Neither bound depends on when a
+command arrives: late, lost, jittering and timed-out ones are commands within the same bounds.
 
-Commands that change by at most ``slew`` a second, a, swing a linear loop less.  What acts is then
-within a H/2 of a command that changes at most so fast, with H the longest that one may act, so that
-for the step response S, and L the integral of |1 - S| from when S first reaches 1 on,
+Commands that change by at most ``slew`` a second, a, make a linear loop overshoot less.  The
+command that acts is then within a H/2 of one with that largest rate of change, where H is the
+longest time that a command may act.  With the step response S, and L the integral of |1 - S| from
+when S first reaches 1 on,
 
     |v| <= K c + a (K L + N H/2) + delta
 
@@ -103,7 +104,7 @@ class Clip:
         self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
 
     def _swing(self, loops: tuple[str, str]) -> None:
-        """Commands within which a loop that overshoots keeps both directions' limits."""
+        """Limit the commands of overshooting loops so that both directions' limits are kept."""
         for i, (least, most) in enumerate(ends_of(self.p, "gain")):
             if loops[i] != "first-order":
                 N = self.channels[i].bounds.K_max
@@ -112,7 +113,7 @@ class Clip:
                 self.behind[i] = swung(N, least, most, other, own)
 
     def _sound_ramp(self) -> list[ca.SX]:
-        """Conditions that the slew allows a change within a period; 0 for NaN."""
+        """Conditions under which the slew limit is usable within a period; 0 for NaN."""
         if not self.last:
             return []
         slew, reach = self.p.take("filter.slew"), self.p.take(REACH.name)
@@ -125,7 +126,7 @@ class Clip:
         return usable_time(self.elapsed.sym, self.T)
 
     def _slowly(self, wanted: ca.SX) -> ca.SX:
-        """The command (2,) moved from the last one towards ``wanted``, at most at the slew rate."""
+        """Command (2,) moved from the last one towards ``wanted``, at most at the slew rate."""
         most, last = self.p.take("filter.slew") * self.time, self.last[0].sym
         shares = ramp_shares(last, wanted, most)
         if self.scenario.filter.scale != "axes":
@@ -149,7 +150,7 @@ class Clip:
 
 
 def swung(N: ca.SX, least: ca.SX, most: ca.SX, own: ca.SX, other: ca.SX) -> ca.SX:
-    """Largest command one way that keeps the room ``own`` this way and ``other`` the other way.
+    """Largest command one way that keeps the limit ``own`` this way and ``other`` the other way.
 
     With commands in [-b, a] the speed is at most P a + Q b, and at least -(Q a + P b), for P and Q
     the integrals of the impulse response's positive and negative part. Their sum is at most the
@@ -162,7 +163,7 @@ def swung(N: ca.SX, least: ca.SX, most: ca.SX, own: ca.SX, other: ca.SX) -> ca.S
 
 
 def _changed(channels: list[Channel], told: ca.SX) -> list[Channel]:
-    """The channels with the limits that are told (4,)."""
+    """The channels with the received limits (4,)."""
     forth, back = told_limits(told, channels)
     pairs = zip(channels, zip(forth, back, strict=True), strict=True)
     return [
@@ -177,7 +178,7 @@ def ramp_shares(last: ca.SX, wanted: ca.SX, most: ca.SX) -> list[ca.SX]:
 
 
 def moved(last: ca.SX, wanted: ca.SX, share: ca.SX) -> ca.SX:
-    """The command at this share of the way from ``last`` to ``wanted``."""
+    """Command at a ``share`` of the way from ``last`` to ``wanted``."""
     return last + share * (wanted - last)
 
 

@@ -1,7 +1,7 @@
-"""The command filter as one sampled System, and as an object that Python programs call.
+"""Command filter as one sampled System, and as an object for Python programs.
 
-A command (v, omega) goes in, with odometry where there is some, and the nearest safe one comes out:
-both axes scaled by one factor, so that the path keeps its curvature, or each by its own.
+A command (v, omega) goes in, with odometry if there is any, and the nearest safe command comes out.
+Either one factor scales both axes, so that the path keeps its curvature, or each axis has its own.
 """
 
 import math
@@ -46,7 +46,8 @@ from .stopping import StoppingGovernor
 def _damped(scenario: Scenario, axis: int) -> str:
     """Advice on how to lower a loop's peak gain to just below LARGEST_PEAK.
 
-    For a PI loop: changes of a single end that leave a valid interval; all changes if none does.
+    For a PI loop it names each change of one bound that leaves a valid interval, or all changes if
+    none does.
     """
     fades, stated = -1.02 * math.log(1 - 2 / (LARGEST_PEAK + 1)) / math.pi, scenario.filter
     if stated.loop[axis] == "second-order":
@@ -66,7 +67,7 @@ def _damped(scenario: Scenario, axis: int) -> str:
 
 
 def _which(reached: float, limit: float, of: str) -> tuple[str, str, float, float]:
-    """Texts of the speed that pushes reach and of the bound that it violates.
+    """Texts of the speed that pushes cause and of the bound that it violates.
 
     Then factors for the stated push and for the limit that would satisfy the bound.
     """
@@ -81,7 +82,7 @@ def _finite(speed: float) -> str:
 
 
 def check_filter(scenario: Scenario) -> None:
-    """Raise ScenarioError where no command is safe, or where there is nothing to filter."""
+    """Raise ScenarioError if no command is safe, or if there is nothing to filter."""
     settings, sizes = scenario.filter, [(high, -low) for low, high in scenario.limits.sides]
     if settings.kind == "none":
         raise ScenarioError(
@@ -137,7 +138,7 @@ def check_filter(scenario: Scenario) -> None:
 
 
 def _check_rim(scenario: Scenario, reached: Sequence[float]) -> None:
-    """Raise ScenarioError where the speeds that pushes reach alone take a wheel to its limit."""
+    """Raise ScenarioError if pushes alone take a wheel's speed to its limit."""
     settings, sizes = scenario.filter, [(high, -low) for low, high in scenario.limits.sides]
     rim, apart = reached[0] + scenario.robot.l * reached[1], settings.channels == "wheels"
     tops = [settings.wheel_speed] if settings.wheel_speed is not None else []
@@ -154,7 +155,9 @@ def _check_rim(scenario: Scenario, reached: Sequence[float]) -> None:
 
 
 def _unequal(scenario: Scenario, reached: Sequence[float]) -> Iterator[str]:
-    """Limits that differ by the direction where that cannot be kept; ``reached`` by a push."""
+    """Objections to limits that differ by direction and cannot be kept; ``reached``: speeds that
+    pushes cause.
+    """
     settings, limits = scenario.filter, scenario.limits
     for i in limits.unequal:
         named = f"limits.v_min[{i + 1}] = {limits.v_min[i]:g}, limits.v_max[{i + 1}] ="
@@ -191,7 +194,7 @@ def _check_slew(scenario: Scenario, slew: tuple[float, float]) -> None:
 
 
 def worthwhile_slew(scenario: Scenario) -> tuple[float, float]:
-    """Slew [m/s2, rad/s2] of a linear loop above which slow commands gain nothing."""
+    """Slew [m/s2, rad/s2] of a linear loop above which slow commands get no larger limit."""
     reach, peaks, K = slew_reach(scenario), peak_gains(scenario), scenario.filter.intervals("gain")
     linear, angular = (
         (scenario.limits.smaller[i] - peak.push) * (1 - K[i][1] / peak.gain) / reach[i]
@@ -214,7 +217,7 @@ TOLD = Signal("told", "1", "1: the time since the previous sample was told befor
 
 
 def graph_of(scenario: Scenario) -> Clip | Governor | BandGovernor:
-    """Graph of a scenario's filter: by its kind, and by what it is told."""
+    """Graph of a scenario's filter, which depends on the filter's kind and inputs."""
     settings = scenario.filter
     if settings.kind == "clip":
         return Clip(scenario) if settings.free_error is None else RampStopper(scenario)
@@ -242,7 +245,7 @@ def derived_numbers(scenario: Scenario) -> dict[str, tuple[Signal, tuple[float, 
 def filter_system(scenario: Scenario) -> System:
     """The command filter of a scenario; inputs and outputs as in `CommandFilter.step`.
 
-    Raises ScenarioError where the filter is not set, or cannot be met.
+    Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
     check_filter(scenario)
     return for_base(graph_of(scenario).system, scenario)
@@ -259,7 +262,7 @@ def filter_questions(scenario: Scenario) -> Iterator[str]:
 
 
 def called_filter(scenario: Scenario) -> System:
-    """`filter_system` for callers: after the first time that is not 0, 0 means that no time passed.
+    """`filter_system` for Python: once a step's time was not 0, 0 means that no time passed.
 
     Before that, 0 means that the time is unknown.  A clip without memory ignores repeated calls:
     its limits do not depend on the time.
@@ -283,12 +286,12 @@ def called_filter(scenario: Scenario) -> System:
 
 
 def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
-    """Speeds, as parts of v and of omega, by name, with the ends between which a command passes.
+    """Commands that always pass: by name, a speed's parts of v and omega, and the two ends.
 
     This is valid for any history: the limits are the clip's own, and a governor's are never
-    smaller, since its speed bound is at most V (ledger: filter.contains-clip).  For a clip without
-    slew or a governor, as runs have it; empty without filter.  0 if no command surely passes, as
-    where obstacles are in the way.
+    smaller, since its speed bound is at most V (ledger: filter.contains-clip).  It serves a clip
+    without slew and a governor, as runs have them; it is empty without a filter.  Both ends are 0
+    if no command surely passes, for example with obstacles in the way.
     """
     if scenario.filter.kind == "none":
         return []
@@ -326,7 +329,9 @@ class CommandFilter:
     """The command filter of a scenario, step by step; see `command_filter`."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build the graph; ScenarioError where the filter is not set, or cannot be met."""
+        """Build the graph; raises ScenarioError if no filter is set, or if its limit cannot be
+        kept.
+        """
         self.system, self._scenario = called_filter(scenario), scenario
         self.period = scenario.clock.control
         dense = [ca.densify(item) for item in (self.system.update, self.system.y)]
@@ -394,7 +399,9 @@ class CommandFilter:
         free_age: float,
         turn: Sequence[float],
     ) -> dict[Signal, tuple[float, ...]]:
-        """Limits (the last ones if none are told) and free ways; ArgumentError if unusable."""
+        """Limits (the last ones if none are given) and free distances; ArgumentError if
+        unusable.
+        """
         settings = self._scenario.filter
         if limits is not None:
             if not settings.changing:
@@ -418,7 +425,7 @@ class CommandFilter:
         return {LIMITS: self._limits, FREE: told, FREE_AGE: (age,)}
 
     def _ask(self, dt: float) -> None:
-        """Warn if a time would be the clock's period in another unit."""
+        """Warn if a time looks like the clock's period in another unit."""
         if asked := meant(dt, "s", (0.5 * self.period, 2 * self.period)):
             warnings.warn(
                 f"dt = {dt:g} s: clock.control is {self.period:g} s. {asked}", stacklevel=4

@@ -1,8 +1,8 @@
 """Forecast of a linear loop from the commands sent to it, on pieces of time.
 
-Bounds of v - u and of -v + u if the command u stays constant, and the largest commands that keep v
-and -v within a limit: if kept from now on, and if followed by 0.  `band` has the sum that they
-bound.
+It bounds v - u and -v + u if the command u stays constant.  It also gives the largest commands that
+keep v and -v within a limit: if kept from now on, and if followed by 0.  `band` has the sum that is
+bounded here.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class Forecast:
     past_under: ca.SX
 
     def changed(self, to: ca.SX, table: ResponseTable) -> Forecast:
-        """The forecast if the command changes now to ``to``."""
+        """The forecast if the command now changes to ``to``."""
         up, down = ca.fmax(to - self.u, 0), ca.fmax(self.u - to, 0)
         return replace(
             self,
@@ -88,12 +88,14 @@ class Forecast:
         return replace(self, over=over, under=under, tail=self.tail * table.fading)
 
     def kept(self, share: ca.SX) -> Forecast:
-        """The forecast itself if ``share`` is 1; if it is 0, all of it belongs to the past."""
+        """Forecast with this ``share`` (0 or 1) of the recent part; at 0 only the past part is
+        left.
+        """
         over, under, tail = (share * item for item in (self.over, self.under, self.tail))
         return replace(self, over=over, under=under, tail=tail)
 
     def mirrored(self, way: ca.SX) -> Forecast:
-        """The forecast of way v, for way 1 or -1."""
+        """Forecast of ``way`` v, for ``way`` 1 or -1."""
         ahead = way > 0
         names = ("over", "under"), ("past_over", "past_under")
         swapped = {
@@ -104,7 +106,7 @@ class Forecast:
         return replace(self, u=way * self.u, **swapped)
 
     def rooms(self, most: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Room left below ``most`` on each piece and after them, above and below."""
+        """Distance of the bounds of v and of -v from ``most``, on each piece and after the last."""
         over, under = (ca.vertcat(item, self.tail) for item in (self.over, self.under))
         above = (most - (self.u + self.past_over)) - over
         return above, (most + (self.u - self.past_under)) - under
@@ -118,7 +120,7 @@ class Forecast:
         return at_most(above * inverse), at_most(below * inverse)
 
     def largest(self, c: ca.SX, table: ResponseTable, inverse: Sequence[ca.SX]) -> ca.SX:
-        """Largest u >= 0 for which -v <= c if 0 follows a period later, and v <= c if it is kept.
+        """Largest u >= 0 with v <= c if u is kept and -v <= c if 0 follows a period later.
 
         ``inverse`` as `inverse_slopes` gives them.
         """
@@ -137,7 +139,8 @@ class Forecast:
 
 
 def inverse_slopes(table: ResponseTable) -> list[ca.SX]:
-    """Reciprocal slopes of the conditions: for a constant command; if 0 follows a rise, and a fall.
+    """Reciprocal slopes of the conditions: for a constant command, and if 0 follows a rise or a
+    fall.
 
     Slopes are at least FLATTEST: a flat line excludes no u that the other lines admit.
     """
@@ -165,13 +168,13 @@ def least_of(values: ca.SX) -> ca.SX:
 
 
 def at_most(lines: ca.SX) -> ca.SX:
-    """The least of all lines, but at least 0: keeping the command is always admitted."""
+    """The least of all lines, but at least 0, since keeping the command is always admitted."""
     return ca.fmax(least_of(lines), 0)
 
 
 @dataclass(frozen=True)
 class Fading:
-    """Decaying bound of the distance of v from its command; its part from the past.
+    """Decaying bound of the distance of v from its command, and the part due to the past.
 
     ``past``: the bound from commands before the last untimely sample, when the command was
     ``held``.
@@ -182,7 +185,7 @@ class Fading:
     held: ca.SX
 
     def aged(self, came: ca.SX, u: ca.SX, stays: ca.SX, soonest: ca.SX) -> Fading:
-        """The bound at the next sample, which ``came`` on its beat or else is untimely.
+        """The bound at the next sample, which ``came`` on its beat (1) or was untimely (0).
 
         It decays by ``soonest`` in the shortest period, and otherwise by ``stays``.
         """

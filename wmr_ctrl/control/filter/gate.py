@@ -1,8 +1,8 @@
-"""Gate before a base: a command filter that also ramps, times out, stops, and stays stopped.
+"""Gate before a base: a command filter with ramps, time-outs, a stop, and a latch after it.
 
-Its source may die, repeat itself, jump or send nonsense: a command that is too old, missing
-odometry where it is required, a base that is faster than its bounds allow, and a stop each lead to
-zeros. The filter is the last stage, so for any input the output is a command that the filter may
+The source of commands may die, repeat itself, jump or send nonsense.  A command that is too old,
+missing odometry if it is required, a base faster than its bounds allow, and a stop each lead to
+zeros.  The filter is the last stage, so for any input the output is a command that the filter may
 send.
 """
 
@@ -47,11 +47,11 @@ ODOMETRY_USES = ("none", "watched", "required")
 class GateSettings:
     """Times and ramps of a gate.
 
-    ``command_timeout`` and ``odometry_timeout`` [s]: older messages are ignored. ``odometry``:
+    ``command_timeout`` and ``odometry_timeout`` [s]: older messages are ignored.  ``odometry``:
     "required" (without it the base is brought to rest), "watched" (its absence is reported) or
     "none". ``rise`` and ``fall``: largest change of the command away from zero and towards it
-    [m/s2, rad/s2]. ``excess`` [m/s, rad/s]: odometry this far beyond the limits says that a bound
-    which the filter assumes is wrong.
+    [m/s2, rad/s2].  ``excess`` [m/s, rad/s]: odometry this far beyond the limits means that an
+    assumption of the filter is wrong.
     """
 
     command_timeout: float = 0.25
@@ -77,7 +77,7 @@ class GateSettings:
 def gate_system(scenario: Scenario, settings: GateSettings) -> System:
     """The gate of a scenario's filter; inputs and outputs as in `Gate.step`.
 
-    Raises ScenarioError where the filter is not set, or cannot be met.
+    Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
     return gate_and_goal(scenario, settings)[0]
 
@@ -150,8 +150,9 @@ def _leaving(
 ) -> tuple[ca.SX, ca.SX]:
     """The filter's next state, and the command from which the next ramp begins.
 
-    ``updates``: for the command ``offered`` and for what was asked for, which counts while a base
-    waits to leave; the ramp begins meanwhile.  ``commands``: offered and sent.
+    ``updates``: next states for the ``offered`` command and for the requested one.  The request
+    counts while a base waits to leave, and the ramp begins meanwhile.  ``commands``: offered and
+    sent.
     """
     (update, aimed), (offered, sent) = updates, commands
     rows = places(item.signal for item in inner.state).get(WAITED.name)
@@ -186,7 +187,7 @@ def _usable(pair: ca.SX) -> ca.SX:
 
 
 def _beyond(odometry: ca.SX, scenario: Scenario, settings: GateSettings) -> ca.SX:
-    """1 where odometry is beyond a limit by more than the excess, or is no number."""
+    """1 if odometry exceeds a limit by more than the excess, or is not a number."""
     tests = [
         ca.logic_and(
             odometry[i] >= low - settings.excess[i], odometry[i] <= high + settings.excess[i]

@@ -1,18 +1,18 @@
 """Largest command that keeps |v| <= V on a base with a first-order speed loop, per axis.
 
-The base: tau v' = K(t) u(t) + d(t) - v with tau in [tau_min, tau_max], K in [K_min, K_max] and
-|d| <= dbar (m/s: the speed at which a push would end), all of which may vary; u is the command that
-acts.  A command that takes over at the speed v_0 <= v_bar and acts for at most H leaves
+The base: tau v' = K(t) u(t) + d(t) - v with tau in [tau_min, tau_max], K in [K_min, K_max] and |d|
+<= dbar (m/s: the speed at which a push would end), all of which may vary; u is the command that
+acts.  For a command that takes over at the speed v_0 <= v_bar and acts for at most H,
 
     v <= E v_0 + (1 - E)(K_max u + dbar) <= V      for    u <= hi,    E >= exp(-H/tau_min),
     hi = (V - dbar + kappa (V - v_bar))/K_max,     kappa = 1/(exp(H/tau_min) - 1)
 
-v_bar bounds the speed at any instant at which the command may take over: what odometry says, or
-what the last bound became, carried through all commands that may act until then.  The lower bound
-is the mirror image.  kappa = 0 is the memoryless clip, (V - dbar)/K_max.
+v_bar bounds the speed at any instant at which the command may take over.  It comes from odometry,
+or from the last bound, propagated through all commands that may act until then.  The lower bound is
+the mirror image. kappa = 0 is the memoryless clip, (V - dbar)/K_max.
 
-It knows no hidden state: behind a second lag, a ramp or an overshooting loop the bound is broken;
-there only the clip of what never overshoots holds.
+The governor knows no hidden state: a second lag, a ramp or an overshooting loop breaks its bound.
+Bases with those need the clip or the band.
 """
 
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ class FirstOrder:
 
 
 def drive(u: ca.SX, b: FirstOrder) -> ca.SX:
-    """Largest steady speed [m/s or rad/s] to which the command u may drive the base."""
+    """Largest steady speed [m/s or rad/s] that the command u can cause."""
     return ca.fmax(b.K_max * u, b.K_min * u) + b.dbar
 
 
@@ -57,17 +57,17 @@ def largest_command(v_bar: ca.SX, b: FirstOrder) -> ca.SX:
 
 
 def relaxed(v: ca.SX, target: ca.SX, most: ca.SX, least: ca.SX) -> ca.SX:
-    """Bound of the speed after a time during which it is driven towards at most ``target``.
+    """Bound of the speed after a time in which it moves towards at most ``target``.
 
-    ``most`` and ``least`` bound the covered share of the way, 1 - exp(-time/tau); ``most`` matters
-    for a target above v, ``least`` for one below.
+    ``most`` and ``least`` bound the covered share of the distance to the target, 1 -
+    exp(-time/tau); ``most`` matters for a target above v, ``least`` for one below.
     """
     away = v - target
     return v + ca.fmax(-most * away, -least * away)
 
 
 def admitted(r: Sequence[ca.SX], lo: Sequence[ca.SX], hi: Sequence[ca.SX]) -> list[ca.SX]:
-    """Largest share, at most 1, of each axis' command r that its limits lo <= 0 <= hi admit."""
+    """Largest share, at most 1, of each axis' command r within its limits lo <= 0 <= hi."""
     limits = [ca.if_else(r[i] >= 0, hi[i], -lo[i]) for i in range(len(r))]
     return [limit / ca.fmax(ca.fabs(r[i]), limit) for i, limit in enumerate(limits)]
 
@@ -109,7 +109,7 @@ class Schedule:
 
     @property
     def spread(self) -> float:
-        """By how much delays may differ [periods]."""
+        """Difference of the largest and the least delay [periods]."""
         return self.delay[1] - self.delay[0]
 
     @property
@@ -119,7 +119,7 @@ class Schedule:
 
     @property
     def stops_alone(self) -> bool:
-        """True if the base may stop on its own between two commands that come in time."""
+        """True if the base may stop on its own between two punctual commands."""
         apart = (1 + self.losses) * (1 + self.jitter) + self.spread
         return 0 < self.hold < apart - NEAR
 
@@ -140,7 +140,7 @@ class Schedule:
         return self.delay[0] - age * (1 + self.jitter)
 
     def _last(self, age: int) -> float:
-        """Latest time until which it may act."""
+        """Latest time until which the command of this age may act."""
         newer = age - 1 - self.losses
         return self.delay[1] - newer * (1 - self.jitter if newer > 0 else 1 + self.jitter)
 
@@ -171,7 +171,9 @@ class SpeedBound:
     period: ca.SX
 
     def shares(self, length: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Largest and least share of its way that the base covers in a ``length`` of time [s]."""
+        """Largest and least share of the distance to its target that the base covers in a
+        ``length`` of time [s].
+        """
         most, least = (-ca.expm1(-length / tau) for tau in self.tau)
         return most, least
 
@@ -185,7 +187,7 @@ class SpeedBound:
     ) -> ca.SX:
         """Bound of the speed after a piece with these shares; ``targets[age]`` of each command.
 
-        Without ``cut`` it may be above V.
+        Without ``cut`` it may exceed V.
         """
         bound = relaxed(v, self.target(piece, targets), *shares)
         return ca.fmin(bound, self.bounds.V) if cut else bound
@@ -196,7 +198,7 @@ class SpeedBound:
         return [self.bounds.dbar] if self.schedule.hold > 0 else []
 
     def target(self, piece: Piece, targets: Sequence[ca.SX]) -> ca.SX:
-        """Largest steady speed to which what may act in a piece drives the base."""
+        """Largest steady speed that the commands of a piece can cause."""
         return largest([*(targets[age] for age in reversed(piece.ages)), *self.stopped])
 
     def now(self, y: ca.SX, age: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
@@ -247,9 +249,10 @@ class SpeedBound:
         """Largest bound at any time between the first and last of ``when`` [periods] after a
         sample.
 
-        Between the ends of pieces the bound is monotone.  Pieces with equal commands are counted
-        from the start of the first of them, so that none waits for another; at their ends the base
-        has covered at least the share of its way that it had at the first one counted.
+        The bound is monotone within each piece.  Consecutive pieces with equal commands are
+        computed from the start of the first, so that they do not depend on each other.  At the end
+        of each the base has covered at least the share of the distance that it had covered after
+        the first.
         """
         first, last = when
         ends, ages, least = list[ca.SX](), None, ca.SX(0) if first <= NEAR else None

@@ -65,7 +65,7 @@ def check_jitter(scenario: Scenario) -> None:
 def schedules(scenario: Scenario) -> tuple[Schedule, Schedule]:
     """The filter's times of v and of omega in control periods.
 
-    Raises ScenarioError where they span more samples than the filter counts through.
+    Raises ScenarioError if they span more samples than the filter can count.
     """
     check_jitter(scenario)
     linear, angular = (_schedule(scenario, delay) for delay in scenario.filter.intervals("delay"))
@@ -177,19 +177,19 @@ class Governor(Heard):
 
     @property
     def within_limits(self) -> ca.SX:
-        """The command (2,) within `limits`."""
+        """Command (2,) within `limits`."""
         upper, lower = self.limits
         backwards, scale = [-limit for limit in lower], self.scenario.filter.scale
         return scaled(self.command, self.channels, backwards, upper, scale)
 
     @cached_property
     def safe(self) -> ca.SX:
-        """The safe command (2,) for sound parameters."""
+        """Safe command (2,) for sound parameters."""
         return self.within_limits
 
     @cached_property
     def sent(self) -> ca.SX:
-        """The safe command (2,); 0 if the parameters are unsound."""
+        """Command sent (2,): the safe one, or 0 if the parameters are unsound."""
         return ca.if_else(self.sound, self.safe, 0)
 
     @cached_property
@@ -204,7 +204,9 @@ class Governor(Heard):
         ]
 
     def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
-        """Steady speed to which each command may drive a channel, by its age; [0]: the newest."""
+        """Steady speed that each command can cause in a channel, by the command's age; [0]: the
+        newest.
+        """
         first = self.before[0].sym if newest is None else newest
         commands, channel = [first, *(item.sym for item in self.before)], self.channels[number]
         most = drive if way > 0 else drive_back
@@ -212,7 +214,7 @@ class Governor(Heard):
 
     @property
     def inputs(self) -> tuple[Port, ...]:
-        """What each step is told."""
+        """Inputs of each step."""
         return self.asked, self.odometry, self.age, self.elapsed
 
     @property
@@ -224,7 +226,7 @@ class Governor(Heard):
 
     @property
     def memory(self) -> tuple[tuple[Port, ...], list[ca.SX]]:
-        """State, the bounds and the commands that may still act first, and its next values."""
+        """State and its next values: first the bounds and the commands that may still act."""
         bounds = ca.vertcat(*(item for side in self.following for item in side))
         older = [item.sym for item in self.before[:-1]]
         known = ca.if_else(self.sound, bounds, LARGEST)
@@ -256,7 +258,7 @@ def contradiction(V: ca.SX) -> ca.SX:
 
 
 def stated(p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """The stated gains, least and largest of each axis, and the stated push."""
+    """Stated gains (least and largest of each axis) and stated push."""
     return *gains_of(p), p.take("filter.d")
 
 

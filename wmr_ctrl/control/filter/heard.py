@@ -1,4 +1,4 @@
-"""What a filter hears, and whether it came in time: odometry, samples and free ways."""
+"""Inputs of a filter and whether they came in time: odometry, samples and free distances."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 
 
 class Heard:
-    """Of a filter with memory: young odometry, samples in time, commands sent in time.
+    """Base class of filters with memory: recent odometry, punctual samples, punctual commands.
 
     ``plans``: times of v and of omega; ``oldest``: number of commands that it remembers.
     """
@@ -41,7 +41,7 @@ class Heard:
 
     @cached_property
     def seen(self) -> ca.SX:
-        """1 if there is odometry, young enough and a number."""
+        """1 if there is odometry that is recent enough and a number."""
         if self.scenario.filter.odometry is None:
             return ca.SX(0)
         age = 0.5 * self.plans[0].age * self.T
@@ -66,18 +66,18 @@ class Heard:
 
 
 class Watching(Heard):
-    """Of a filter that is told free ways, too: it knows what its commands may have driven.
+    """Base class of filters that receive free distances and bound the speed under each command.
 
-    By age of the command, the last one first: ``most_before`` bounds the speeds while it acts,
-    ``held_before`` is 1 if the base stands by then.  ``rested``: commands of (0, 0) in a row.
-    ``rest``: time after which these make the base stand, None if nothing does.
+    Lists are by age of the command, the last one first: ``most_before`` bounds the speed while it
+    acts, ``held_before`` is 1 if the base stands by then.  ``rested``: number of consecutive
+    commands (0, 0).  ``rest``: time after which these make the base stand, None if nothing does.
     """
 
     channels: list[Channel]
     rest: ca.SX | None
 
     def watch(self, ages: int) -> None:
-        """Create the ports for so many commands."""
+        """Create the ports for ``ages`` remembered commands."""
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
         numbers = range(1, ages + 1)
         self.most_before = [port(_most(age), starts) for age in numbers]
@@ -87,17 +87,17 @@ class Watching(Heard):
 
     @property
     def believed(self) -> ca.SX:
-        """1 where what the commands may have driven is known."""
+        """1 if the bounds of the speed under each command are valid."""
         return self.punctual
 
     @cached_property
     def safe(self) -> ca.SX:
-        """The command (2,) that is sent."""
+        """Command (2,) that is sent."""
         raise NotImplementedError
 
     @cached_property
     def held(self) -> ca.SX:
-        """1 where the base stands by the time the command acts, and (0, 0) is sent."""
+        """1 if the base stands by the time the command acts, and (0, 0) is sent."""
         raise NotImplementedError
 
     @cached_property
@@ -107,36 +107,38 @@ class Watching(Heard):
 
     @cached_property
     def free_following(self) -> list[ca.SX]:
-        """Free ways at the next sample."""
+        """Free distances at the next sample."""
         raise NotImplementedError
 
     def far(self, place: int, axis: int) -> ca.SX:
-        """Way from which on a free way limits no command."""
+        """Free distance from which on no command is limited."""
         raise NotImplementedError
 
     def off(self, place: int, axis: int, time: ca.SX) -> ca.SX:
-        """Way [m, rad] by which roundings may exceed what is computed for a ``time`` [s]."""
+        """Largest rounding error [m, rad] of a distance that is computed for a ``time`` [s]."""
         V = self.channels[axis].sides[place].V
         return ROUNDING * (V * time + 4 * ROUNDING * self.far(place, axis))
 
     @cached_property
     def is_fresh(self) -> ca.SX:
-        """1 where the free ways are told, and not too old."""
+        """1 if free distances are received and recent enough."""
         half = 0.5 * self.p.take("filter.free_age")
         return within(self.free_age.sym - half, half + NEAR * self.T)
 
     def hears(self, number: int) -> ca.SX:
-        """1 where this one of the free ways is fresh."""
+        """1 if this one of the free distances is fresh."""
         return ca.logic_and(self.is_fresh, is_number(self.free.sym[number]))
 
     @cached_property
     def free_now(self) -> Sides:
-        """Free way of each side: told, or what was told before less the way since then."""
+        """Free distance on each side: the received one, or the last one less the distance driven
+        since.
+        """
         return each_side(lambda place, i: self._free(place, i, self.far(place, i)))
 
     @cached_property
     def free_whole(self) -> Sides:
-        """Free way of each side up to the told one, even where more would limit no command."""
+        """Free distance on each side, without the cap at `far`."""
         return each_side(lambda place, i: self._free(
             place, i, ca.fmax(self.far(place, i), ca.fmin(self.free.sym[place + 2 * i], LARGEST))
         ))  # fmt: skip
@@ -155,12 +157,12 @@ class Watching(Heard):
 
     @property
     def in_row(self) -> ca.SX:
-        """Commands of (0, 0) before this one, in a row and in time."""
+        """Number of consecutive punctual commands (0, 0) before this one."""
         return ca.if_else(self.came, self.rested.sym, 0)
 
     @property
     def watched(self) -> list[tuple[Sequence[Port], list[ca.SX], float]]:
-        """State, its next values, and one for parameters that are not sound."""
+        """State, its next values, and its next values for unsound parameters."""
         kept: list[tuple[Sequence[Port], list[ca.SX], float]] = [
             (self.most_before, [*chain(*self.most), *shifted(self.most_before)], LARGEST)
         ]
@@ -174,17 +176,17 @@ class Watching(Heard):
 
 
 def each_side(make: Callable[[int, int], Made]) -> list[list[Made]]:
-    """What is made for each direction, forwards and backwards, of each axis."""
+    """Results of ``make`` for each direction, forwards and backwards, of each axis."""
     return [[make(place, axis) for axis in AXES] for place in AXES]
 
 
 def shifted(before: Sequence[Port]) -> list[ca.SX]:
-    """All but the oldest."""
+    """All elements except the oldest."""
     return [item.sym for item in before[:-1]]
 
 
 def remembered(plans: Iterable[Schedule], scenario: Scenario) -> int:
-    """Number of commands that act while a free way was measured, until the sample, or later."""
+    """Number of commands that may act between a distance's measurement and the sample, or later."""
     settings = scenario.filter
     age = settings.free_age / scenario.clock.control if settings.free_error is not None else 0.0
     oldest = (replace(plan, age=max(plan.age, age)).oldest for plan in plans)
@@ -192,9 +194,9 @@ def remembered(plans: Iterable[Schedule], scenario: Scenario) -> int:
 
 
 def whole_steps(plan: Schedule, T: Number, time: Number, more: float = -NEAR) -> Number:
-    """Number of commands that surely act for at least this time [s], and ``more`` of a period.
+    """Number of commands that surely act for at least this ``time`` [s], plus ``more`` of a period.
 
-    A brake ends a motion at once, so that rest needs more than the time after which it closes.
+    A brake ends a motion instantly, so rest needs more than the time after which it closes.
     """
     return ca.ceil((time + plan.spread * T) / ((1 - plan.jitter) * T) + more)
 

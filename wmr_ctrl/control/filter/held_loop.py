@@ -1,20 +1,20 @@
-"""Speed loops of a run's own base, whose force is held over plant steps.
+"""Speed loops of a simulated base, whose force is held over each plant step.
 
 Holding the force makes a PI loop oscillate more.
 
-A step h changes the speed by (h/M)(F - c v + d), F = kp (u - v) + f, and f by h ki (u - v): the
-steps of Euler's method for the loop of the same numbers.  With
+A step h changes the speed by (h/M)(F - c v + d), F = kp (u - v) + f, and f by h ki (u - v).  These
+are the steps of Euler's method for the loop with the same numbers.  With
 
     a = (kp + c)/M,   b = ki/M,   gamma = c/M,   w^2 = b - a^2/4,   g = 1 - h a/2
     R = arctan(q)/(q g),   q = h w/g,   artanh where q^2 < 0
 
-what is left of a step of the command after k of them is e(k h), e of `step_response` with
+the remainder of a step of the command after k plant steps is e(k h), e of `step_response` with
 
     a' = -ln(1 - h a + h^2 b)/h,   w' = w R,   b' = w'^2 + a'^2/4,   gamma' = a'/2 + (gamma - a/2) R
 
-and what a force leads to that pushed for one step is so a difference of R phi/M at two instants,
-phi the response to an impulse of those numbers.  Sums of |changes| over instants are no larger than
-integrals of |slopes|: N and what pushes lead to are at most those of that loop.  gamma' may be
+So the response to a force of one step is a difference of R phi/M at two instants, where phi is the
+impulse response of the loop with those numbers.  Sums of |changes| over instants are no larger than
+integrals of |slopes|: N and the response to pushes are at most those of that loop. gamma' may be
 below 0.
 """
 
@@ -54,7 +54,7 @@ class Through:
 
 @dataclass(frozen=True)
 class HeldLoop:
-    """Numbers of an axis of a run's base, at the wheels' rim, and the step of its held force."""
+    """Numbers of one axis of a simulated PI base, at the wheels' rim, and its plant step [s]."""
 
     M: tuple[float, float]
     kp: float
@@ -63,9 +63,10 @@ class HeldLoop:
     step: float
 
     def through(self) -> Through | None:
-        """The loop through its samples; None if it is too fast for its steps.
+        """Continuous loop through the samples; None if the held loop is too fast for its steps.
 
-        Then an oscillation changes its sign with every step, does not decay, or exceeds the step.
+        That is so if an oscillation changes its sign with every step, does not decay, or exceeds
+        the step.
         """
         h, mass, ki, c = self.step, Span.of(*self.M), Span.of(self.ki), Span.of(*self.c)
         a, b, gamma = (self.kp + c) / mass, ki / mass, c / mass
@@ -88,7 +89,9 @@ class HeldLoop:
 
 
 def held_loop(scenario: Scenario, axis: int) -> HeldLoop | None:
-    """The simulated base of a scenario with a filter for PI loops; None without one."""
+    """Held loop of the simulated base of a scenario with a filter for PI loops; None without
+    one.
+    """
     if not has_loop(scenario, "pi", [axis]):
         return None
     robot, gains = scenario.robot, scenario.section(PiLoopGains)
@@ -102,7 +105,7 @@ def held_loop(scenario: Scenario, axis: int) -> HeldLoop | None:
 
 
 def too_quick(scenario: Scenario) -> Iterator[str]:
-    """Objections to loops of a run's base that are too fast for any filter's bounds when held."""
+    """Objections to a simulated base whose held loop is too fast for any filter's bounds."""
     h = scenario.clock.plant
     for axis, name in enumerate(("v", "omega")):
         own = held_loop(scenario, axis)
@@ -115,12 +118,12 @@ def too_quick(scenario: Scenario) -> Iterator[str]:
 
 
 def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
-    """Speeds [m/s, rad/s] at which pushes and errors of the command alone would end.
+    """Steady speeds [m/s, rad/s] that pushes and command errors alone would cause.
 
-    Those of a first-order loop, whose friction is compensated: d = s f/M + K times the error, with
-    s = h/(1 - exp(-h/tau)), half a plant step h above tau, since the loop's force is held over it.
-    For a second-order loop, which swings: those of steady pushes that lead as far.  0 for a PI
-    loop, which makes up for them.
+    For a first-order loop, whose friction is compensated: d = s f/M + K times the error, with s =
+    h/(1 - exp(-h/tau)).  This exceeds tau by half a plant step h, since the loop's force is held
+    over it.  For a second-order loop: steady pushes with the same largest response as varying ones.
+    0 for a PI loop, which compensates them.
     """
     if not scenario.takes_velocity:
         return 0.0, 0.0
@@ -137,12 +140,12 @@ def push_speeds(scenario: Scenario, bound: Bound) -> Pair:
 
 
 def _time_of_pushes(scenario: Scenario, axis: int) -> float:
-    """s [s] of an axis' loop.
+    """Factor s [s] from a push's acceleration to its equivalent speed, for an axis' loop.
 
-    A push on a second-order loop acts on the speed as 1 - S does, with the step response S: at most
-    by the integral of |1 - S|, and a plant step h more of its way to and fro for being summed.  Of
-    the peak gain N times as much is allowed for; z is the damping, w the frequency, r the share of
-    a swing that is left after half a turn:
+    A push on a second-order loop changes the speed as 1 - S does, with the step response S: at most
+    by the integral of |1 - S|. Summing over plant steps adds at most one step h times its total
+    variation.  The filter allows N times as much, with the peak gain N. With the damping z, the
+    frequency w, and r, the remainder of an oscillation after half a turn:
 
         s = (2 z (1 - r) + 2 exp(-z (pi - acos z)/sqrt(1 - z^2)))/(w (1 + r)) + h
 
@@ -160,10 +163,11 @@ def _time_of_pushes(scenario: Scenario, axis: int) -> float:
 
 
 def pace_of_friction(step: Number, slope: Number, mass: Number) -> Number:
-    """x: friction's slope at rest over the mass, times a plant step of a first-order loop.
+    """x: slope of friction at rest over the mass, times the plant step of a first-order loop.
 
-    The loop compensates the friction at the step's start, and its change acts against the motion:
-    at least a share 1 - x/2 of the way is covered (`filter.held-friction`).
+    The loop compensates the friction at the step's start, and friction's change within the step
+    acts against the motion: at least a share 1 - x/2 of the way is covered
+    (`filter.held-friction`).
     """
     return step * slope / mass
 
@@ -182,7 +186,7 @@ def counts_on_rims(scenario: Scenario) -> bool:
 
 
 def kick_of_friction(scenario: Scenario) -> float:
-    """B [m/s]: largest deviation of v from its loop by friction while one command acts.
+    """B [m/s]: largest deviation of v from its loop due to friction while one command acts.
 
     It is h times all of friction's range over the mass, 2 mu g (`filter.held-kick`).
     """
@@ -196,7 +200,9 @@ def push_of_kick(kick: Number, gone: Number) -> Number:
 
 
 def push_of_share(x: Number, most: Number) -> Number:
-    """Push [m/s] equivalent to x/2 of v's way from ``most`` to rest in a step."""
+    """Push [m/s] equivalent to an error of x/2 of the speed change from ``most`` to rest in a
+    step.
+    """
     return x / 2 * most
 
 
@@ -205,8 +211,8 @@ def friction_at_a_rim(scenario: Scenario, push: float, bound: Bound) -> float:
 
     It causes B in the time of a command, which is a plant step if the base itself changes commands,
     and covers the effect of alternating pushes near rest.  Behind a clip, whose commands are at
-    most V, it need not exceed x/2 of V: a rim moves farther by it only while v approaches rest
-    (`filter.held-share`).
+    most V, it need not exceed x/2 of V: friction carries a rim beyond its command only while v
+    approaches rest (`filter.held-share`).
     """
     clock, x = scenario.clock, quickest_friction(scenario)
     acts = clock.plant if bound.hidden else max(clock.control - bound.jitter, clock.plant)
@@ -217,7 +223,7 @@ def friction_at_a_rim(scenario: Scenario, push: float, bound: Bound) -> float:
 
 
 def held_friction(scenario: Scenario) -> Iterator[str]:
-    """Objections to friction that changes within a plant step of a first-order loop."""
+    """Objections to friction that changes too much within a plant step of a first-order loop."""
     stated, h, x = scenario.filter, scenario.clock.plant, quickest_friction(scenario)
     begin = f"Friction that changes within clock.plant = {h:g} s (robot.mu) "
     most = 2.0 if counts_on_rims(scenario) else STABLE

@@ -1,4 +1,4 @@
-"""Assumptions of a filter that a run violates: refused, unless `filter.trust` permits it."""
+"""Assumptions of a filter that a run violates: refused unless `filter.trust` permits it."""
 
 import math
 from collections.abc import Iterator
@@ -133,7 +133,7 @@ def _loops(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def _of_loops_by_axis(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """Loops of v and omega, each by itself, and their numbers."""
+    """Loops of v and omega, and their numbers, compared axis by axis."""
     stated, base, governs = scenario.filter, scenario.base, scenario.filter.kind == "governor"
     for axis, (loop, own) in enumerate(_loops(scenario)):
         if loop not in ("first-order", own):
@@ -158,7 +158,9 @@ def _of_loops_by_axis(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """Pushes on a first-order base beyond d; for a governor also those that slow it."""
+    """Objections to pushes on a first-order base beyond d; for a governor also to pushes that slow
+    it.
+    """
     governs = scenario.filter.kind == "governor"
     swings = [loop == "second-order" for loop in scenario.filter.loop]
     slowed = [s * (governs or swing) for s, swing in zip(against(scenario), swings, strict=True)]
@@ -254,8 +256,8 @@ def _of_weak_motors(scenario: Scenario) -> Iterator[str]:
 def _of_pushed_weak_motors(scenario: Scenario, bound: Bound) -> Iterator[str]:
     """Objections to a torque limit that a pushed first-order loop may reach.
 
-    A wheel at its limit does not brake as the loop wants on either axis: pushes of any size then
-    drive the base on, if both wheels are at their limits for a turn.
+    A wheel at its limit does not brake as the loop requires on either axis.  If both wheels are at
+    their limits for a turn, pushes of any size drive the base on.
     """
     most, needed = scenario.actuator.tau_max, most_torque(scenario)
     if any(bound.dbar) and most < needed:
@@ -304,7 +306,7 @@ def most_torque(scenario: Scenario) -> float:
 
 
 def _of_the_band(bound: Bound) -> Iterator[str]:
-    """Objections to effects between the band's commands and the loop of its tables."""
+    """Objections to effects that change commands between the band and the loop of its tables."""
     if bound.hidden:
         yield (
             f"{bound.hidden} The band relies on every command reaching the loop as it was sent. "
@@ -360,7 +362,7 @@ def _of_the_governor(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_slow_stops(scenario: Scenario, bound: Bound) -> Iterator[str]:
-    """Objections to a base that slows down later or less than a clip that stops relies on."""
+    """Objections to a base that slows down later or less than a stopping clip assumes."""
     stated, base = scenario.filter, scenario.base
     rates = zip(stated.decel or (), base.decel, base.gain, strict=False)
     for axis, (least, rate, gain) in enumerate(rates, 1):
@@ -387,7 +389,9 @@ def _of_slow_stops(scenario: Scenario, bound: Bound) -> Iterator[str]:
 
 
 def _of_odometry(scenario: Scenario, bound: Bound, stated: Pair) -> Iterator[str]:
-    """Objections to velocities that are less exact than ``stated``, or not of one instant."""
+    """Objections to velocities that are less exact than ``stated``, or not measured at one
+    instant.
+    """
     kick = kick_of_friction(scenario) * counts_on_rims(scenario)
     for axis, error in enumerate((bound.nbar[0] + kick, bound.nbar[1])):
         if error > stated[axis] * (1 + ROUNDING):

@@ -1,21 +1,22 @@
-"""Peak gain of a linear speed loop: how far commands of at most 1 can drive the speed.
+"""Peak gain of a linear speed loop: the largest speed that commands of at most 1 can cause.
 
     second order   v'' + 2 z w0 v' + w0^2 v = w0^2 (K u + d)
     PI loop        M v' = F - c v + d,  F = kp (u - v) + f,  f' = ki (u - v)
 
-N, the integral of the impulse response's size, is the largest |v| that any commands |u| <= 1 reach
-from rest, held, late, lost or jittering as they may be; no smaller number is (Boyd, Doyle 1987).
-With r = exp(-pi z/w), w = sqrt(1 - z^2) the remainder after half an oscillation (0 for z >= 1):
+N, the integral of the impulse response's absolute value, is the largest |v| that commands |u| <= 1
+can cause from rest, whether held, late, lost or jittering.  No smaller number is (Boyd, Doyle
+1987).  With r = exp(-pi z/w), w = sqrt(1 - z^2) the remainder after half an oscillation (0 for z >=
+1):
 
     second order   N = K (1 + r)/(1 - r)
     PI loop        N = 1 + 2 o/(1 - r),  o = exp(-2 z acos(z)/w),  z = kp/(2 sqrt(ki M)),  c = 0
     its push       4 z exp(-z acos(z)/w)/(1 - r) dbar/(kp + c),    z = (kp + c)/(2 sqrt(ki M))
 
-N is enclosed over the whole family: boxes that cover its numbers are halved, each bounded in
-intervals that are rounded outward, until none may contain a value that exceeds the largest one
-found by more than a few millionths. No corner is assumed to be the worst; `filter.peak-worst` says
-which one is. Where a scenario has such a base of its own, its loop, held over plant steps, is
-included in the family (`held_loop`).
+N is enclosed over the whole family.  Boxes that cover its numbers are halved, each bounded by
+intervals that are rounded outward, until none can exceed the largest value found by more than a few
+millionths.  No corner is assumed to be the worst; `filter.peak-worst` says which one is.  If a
+scenario simulates such a base, its loop, held over plant steps, is included in the family
+(`held_loop`).
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -53,8 +54,8 @@ class PeakGain:
 class PiLoop:
     """Family of PI loops of one axis, all numbers intervals: M, kp, ki, c, at the wheels' rim.
 
-    kg, N.s/m, N/m, N.s/m; those of the angular axis are divided by l^2.  ``held``: a run's own
-    base, in addition.
+    Units: kg, N.s/m, N/m, N.s/m; numbers of the angular axis are divided by l^2.  ``held``: the
+    simulated base, in addition.
     """
 
     M: tuple[float, float]
@@ -110,7 +111,7 @@ def largest(bound: Callable[[Span, Span], Floats], first: Span, second: Span) ->
 
 
 def _width(x: Span) -> float:
-    """Length of a box's side; inf for a side caused by rounding alone, which is not split."""
+    """Length of a box's side; inf for a side of rounding width, which is not split."""
     length = float(x.hi[0] - x.lo[0])
     return length if length > 2.0**-40 * float(x.size[0]) + 2.0**-900 else np.inf
 
@@ -132,9 +133,9 @@ def _gain_bound(b: Span, drag: Span) -> Floats:
     """Upper bounds of N for b = kp/sqrt(ki M) and drag = c/sqrt(ki M), 2 z = b + drag.
 
     The overshoot is rho exp(-z t0), rho^2 = 1 - b drag, and t0 the first zero of the impulse
-    response: with y = b z - 1 acot(y/(b w))/w for z < 1, artanh(b w/y)/w for z > 1 where there is
-    one.  Near z = 1 both are b/rho times arcsin(q)/q, q^2 = (b/rho)^2 (1 - z^2), where y > 0; in
-    any case they are at least b over rho, or over y.
+    response.  With y = b z - 1, t0 is acot(y/(b w))/w for z < 1, and artanh(b w/y)/w for z > 1 if
+    there is such a zero.  Near z = 1 both are b/rho times arcsin(q)/q, q^2 = (b/rho)^2 (1 - z^2),
+    if y > 0; in any case they are at least b over rho, or over y.
     """
     z = 0.5 * (b + drag)
     y, rho, w = b * z - 1, root(1 - b * drag), _frequency(z)
@@ -173,10 +174,10 @@ def _frequency(z: Span) -> Span:
 
 
 def _arc(x: Span) -> Floats:
-    """Lower bounds of arcsin(q)/q, q^2 = x, which is arsinh(q)/q, q^2 = -x, below 0; increasing.
+    """Lower bounds of arcsin(q)/q, q^2 = x, and for x < 0 of arsinh(q)/q, q^2 = -x; increasing.
 
-    The first terms of its series, beyond which all are positive for x > 0 and alternate for x < 0;
-    0 where x may be beyond -1.
+    It is the start of the series, whose further terms are positive for x > 0 and alternate for x <
+    0.  The bound is 0 if x may be below -1.
     """
     least = Span.of(np.clip(x.lo, -1.0, 1.0))
     cubic = 1 + least * (Span.of(1.0) / 6 + least * (Span.of(3.0) / 40 + least * 15 / 336))
@@ -190,12 +191,12 @@ def _left(z: Span, w: Span) -> Span:
 
 
 def _positive(x: Span) -> Span:
-    """The part of intervals above 2^-100, where only that part matters."""
+    """Part of intervals above 2^-100; the rest does not matter to callers."""
     return Span(np.maximum(x.lo, 2.0**-100), np.maximum(x.hi, 2.0**-100))
 
 
 def refuse_all(faults: Iterable[str]) -> None:
-    """Raise ScenarioError with the distinct sentences on all axes, if there are any."""
+    """Raise ScenarioError with the distinct sentences about both axes, if there are any."""
     if said := " ".join(dict.fromkeys(faults)):
         raise ScenarioError(said)
 
@@ -220,13 +221,13 @@ def _peak_gain(scenario: Scenario, axis: int) -> PeakGain:
 
 
 def _with_error(peak: PeakGain, error: float) -> PeakGain:
-    """The peak gain with a command error, which adds its own peak gain."""
+    """Sum of the peak gain and of a command error's peak gain."""
     pushed = (peak.push + peak.gain * error) * (1 + 2.0**-50)
     return replace(peak, push=pushed) if error else peak
 
 
 def pi_loop(scenario: Scenario, axis: int) -> PiLoop:
-    """Family of PI loops of an axis, as a scenario's filter states it, with its own base."""
+    """Family of PI loops of an axis, as a scenario's filter states it, and the simulated base."""
     settings, l = scenario.filter, scenario.robot.l
     kp, ki, c = settings.interval("kp"), settings.interval("ki"), settings.friction
     M = over_square(settings.interval("inertia"), l) if axis else settings.interval("mass")
@@ -234,7 +235,7 @@ def pi_loop(scenario: Scenario, axis: int) -> PiLoop:
 
 
 def over_square(values: tuple[float, float], l: float) -> tuple[float, float]:
-    """Bounds of values divided by l^2: the first from below, the second from above."""
+    """Bounds of values divided by l^2: a lower bound of the first, an upper bound of the second."""
     least, most = (Span.of(value) / square(Span.of(l)) for value in values)
     return max(float(least.lo), 0.0), float(most.hi)
 

@@ -1,14 +1,14 @@
-"""Clip that stops before what is in the way, on a base that never passes its command.
+"""Clip that stops before obstacles, on a base that never overshoots its command.
 
 The base slows down by at least A (`filter.decel`) towards K u + d, behind a delay and a lag of at
-most tau, and stands B after 0 took effect.  A command u that acts for at most H, then 0, takes it
-no farther than
+most tau, and stands B after 0 took effect.  A command u that acts for at most H, then 0, moves it
+by at most
 
     way = (d + w) h + w^2/(2 A) + d B,  w = max(v_bar, K_max u + d) - d,  h = last delay + H + tau
 
-with v_bar the bound of its speed by odometry and by all commands under way, so that a command
-passes where w <= A (sqrt(h^2 + 2 (free - d h - d B)/A) - h) (`filter.free.ramp`).  From standstill
-it is driven away where one release, which rolls d B, ends within the free way.
+with v_bar the bound of its speed by odometry and by all commands in transit.  So a command passes
+if w <= A (sqrt(h^2 + 2 (free - h d - d B)/A) - h) (`filter.free.ramp`).  From standstill the base
+is driven away if one release, in which it rolls by d B, ends within the free distance.
 """
 
 from functools import cached_property, reduce
@@ -50,9 +50,9 @@ def stopping_speed(room: ca.SX, h: ca.SX, A: ca.SX) -> ca.SX:
 
 
 class RampStopper(Clip, Watching):
-    """Graph of the clip; its state is what may act, what that allows, and the free ways.
+    """Graph of the clip.  Its state: commands that may act, bounds of the speed, free distances.
 
-    The base may still be faster than a limit in force, which bounds commands alone.
+    The base may still be faster than a limit in force, which bounds only commands.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -78,7 +78,7 @@ class RampStopper(Clip, Watching):
         self.sound = reduce(ca.logic_and, numbers, self.sound)
 
     def _targets(self, place: int, axis: int) -> list[ca.SX]:
-        """Steady speed to which each command that may act drives, the last one first."""
+        """Steady speed that each command that may act can cause, the last one first."""
         pairs = zip(self.held_before, self.before, strict=True)
         driven = [ca.if_else(h.sym, 0, self._target(place, axis, u.sym)) for h, u in pairs]
         return [*driven, *self._stopped(place, axis)]
@@ -103,20 +103,22 @@ class RampStopper(Clip, Watching):
         return ca.if_else(self.punctual, ca.fmin(bound, b.V), b.V)
 
     def far(self, place: int, axis: int) -> ca.SX:
-        """Way from which on a free way limits no command."""
+        """Free distance from which on no command is limited."""
         V, age = self.channels[axis].sides[place].V, self.p.take("filter.free_age")
         stop = V * self.reaction[axis] + V * V / (2 * self.decel[axis]) + self._kept(axis)
         return 2 * (stop + V * (age + self.T)) + self.p.take("filter.free_error")
 
     def _kept(self, axis: int) -> ca.SX:
-        """Free way that any stop takes, releases and what comes nearer included."""
+        """Part of the free distance that any stop needs, including releases and approaching
+        obstacles.
+        """
         return (1 + self.scenario.filter.leave) * self._roll(axis) + self._nears(axis)
 
     def _roll(self, axis: int) -> ca.SX:
         return self.channels[axis].bounds.dbar * self.brakes
 
     def _nears(self, axis: int) -> ca.SX:
-        """Way that what is in the way comes nearer until the base stands."""
+        """Distance that an obstacle approaches until the base stands."""
         if axis:
             return ca.SX(0)
         slowing = self.channels[0].bounds.V / self.decel[0]
@@ -124,7 +126,7 @@ class RampStopper(Clip, Watching):
 
     @cached_property
     def stopping(self) -> Sides:
-        """Largest commands by the free ways; below 0 where no stop ends in time."""
+        """Largest commands by the free distances; below 0 if no stop ends in time."""
         return each_side(self._stopping)
 
     def _stopping(self, place: int, axis: int) -> ca.SX:
@@ -136,7 +138,7 @@ class RampStopper(Clip, Watching):
 
     @cached_property
     def offered(self) -> ca.SX:
-        """The command (2,) before it is known whether the brake may open for it."""
+        """Command (2,) before it is known whether the brake may open for it."""
         pairs = zip((self.limits, self.behind), self.stopping, strict=True)
         upper, lower = ([ca.fmax(0, m) for m in map(ca.fmin, *pair)] for pair in pairs)
         back = [-limit for limit in lower]
@@ -145,7 +147,7 @@ class RampStopper(Clip, Watching):
 
     @cached_property
     def opens(self) -> ca.SX:
-        """1 where no side forbids the command."""
+        """1 if no side forbids the command."""
         return reduce(ca.logic_and, (item for side in each_side(self._is_open) for item in side))
 
     def _is_open(self, place: int, axis: int) -> ca.SX:
@@ -162,12 +164,12 @@ class RampStopper(Clip, Watching):
 
     @cached_property
     def safe(self) -> ca.SX:
-        """The safe command (2,)."""
+        """Safe command (2,)."""
         return ca.if_else(ca.logic_and(self.opens, self.sound), self.offered, 0)
 
     @cached_property
     def held(self) -> ca.SX:
-        """1 where the base stands by the time the command acts, and (0, 0) is sent."""
+        """1 if the base stands by the time the command acts, and (0, 0) is sent."""
         slowing = [
             self.reaction[i] + c.bounds.V / self.decel[i] for i, c in enumerate(self.channels)
         ]
@@ -187,7 +189,7 @@ class RampStopper(Clip, Watching):
 
     @cached_property
     def free_following(self) -> list[ca.SX]:
-        """Free ways at the next sample."""
+        """Free distances at the next sample."""
         return [self._free_following(place, i) for i in AXES for place in AXES]
 
     def _free_following(self, place: int, axis: int) -> ca.SX:
@@ -198,7 +200,7 @@ class RampStopper(Clip, Watching):
 
     @property
     def system(self) -> System:
-        """The sampled System; its state is what may act, and the free ways."""
+        """The sampled System; its state is the commands that may act, and the free distances."""
         flags = limited(self.safe, self.command) + self.refused
         flags += ca.if_else(self.seen, 0, UNUSED) + ca.if_else(self.punctual, 0, LATE)
         flags += ca.if_else(self.opens, 0, NEAR_BY) + ca.if_else(self.is_fresh, 0, NO_DISTANCE)

@@ -17,10 +17,10 @@ SHORTEST_SINGLE = 2.0**-8
 
 
 def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Key of, and sentence on, each number beyond the proved range of the rounding margin.
+    """Key and sentence for each number outside the proved range of the rounding margin.
 
-    The ranges are those of `filter.rounding.governor`; a scenario satisfies all its others by
-    itself.
+    The ranges are those of `filter.rounding.governor`; every scenario satisfies its other
+    hypotheses.
     """
     if scenario.filter.kind != "governor":
         return
@@ -76,7 +76,9 @@ def check_single_precision(scenario: Scenario) -> None:
 
 
 def _most_pieces(plan: Schedule) -> int:
-    """Most pieces in a sample, before the latest takeover, or in a period before it."""
+    """Largest number of pieces in a sample, before the latest takeover, or in a period before
+    it.
+    """
     back = plan.pieces(-plan.age, 0.0, 1)
     ahead = plan.pieces(0.0, 1 + plan.jitter, 0, 1 - plan.jitter)
     taken = plan.pieces(0.0, plan.delay[1], 1, plan.delay[0])

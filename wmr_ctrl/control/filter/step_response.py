@@ -55,7 +55,7 @@ class Cells:
     w2: Span
 
     def __getitem__(self, part: slice) -> Cells:
-        """Some of the cells, as a column."""
+        """Selection of the cells, as a column."""
         return Cells(*(item[part, None] for item in self._every))
 
     @property
@@ -71,10 +71,10 @@ class Cells:
 
 @dataclass(frozen=True)
 class Band:
-    """low <= S <= high on each piece of time; |S - 1| <= left exp(-rate (t - end)) behind them.
+    """low <= S <= high on each piece of time; |S - 1| <= left exp(-rate (t - end)) after the last.
 
-    Everywhere |S - 1| <= reach exp(-rate t). On pieces and behind them t may be late by twice a
-    jitter, and by times that are treated as equal.
+    Everywhere |S - 1| <= reach exp(-rate t).  On pieces and after them t may be late by twice the
+    jitter, and by differences that count as 0.
     """
 
     low: Floats
@@ -197,7 +197,7 @@ def _responses(cells: Cells, times: Floats) -> Iterator[tuple[Cells, Span, Span]
 
 
 def _between(x: Span, bent: Floats) -> tuple[Floats, Floats]:
-    """Bounds of a response x on each piece, from its end values and its bending (`_bent`)."""
+    """Bounds of a response x on each piece, from its end values and its curvature (`_bent`)."""
     upper = _up(np.maximum(x.hi[:, :-1], x.hi[:, 1:]) + bent)
     lower = _down(np.minimum(x.lo[:, :-1], x.lo[:, 1:]) - bent)
     return lower, upper
@@ -206,7 +206,7 @@ def _between(x: Span, bent: Floats) -> tuple[Floats, Floats]:
 def _bent(cells: Cells, x: Span, slope: Span, length: float) -> Span:
     """Largest distance of a response from the chord of each piece.
 
-    Its energy never grows, so the energy at a piece's start bounds how much it bends.
+    Its energy never grows, so the energy at a piece's start bounds this distance.
     """
     energy = square(slope[..., :-1]) + cells.b * square(x[..., :-1])
     return (cells.a + root(cells.b)) * root(energy) * (length**2 * (1 + 1e-12) / 8)
@@ -215,7 +215,8 @@ def _bent(cells: Cells, x: Span, slope: Span, length: float) -> Span:
 def _strayed(cells: Cells, x: Span, slope: Span, time: float) -> Span:
     """Largest change of a response on each piece if it is late by a small ``time``.
 
-    Its slope is at most the root of its energy, which a moment earlier was at most twice as large.
+    Its slope is at most the root of its energy.  At the earlier time the energy was at most twice
+    as large.
     """
     energy = square(slope[..., :-1]) + cells.b * square(x[..., :-1])
     return root(energy) * (2 * time)
@@ -224,9 +225,8 @@ def _strayed(cells: Cells, x: Span, slope: Span, time: float) -> Span:
 def swing(cells: Cells) -> float:
     """Largest integral of |1 - S| [s] over the family, from the time when S first reaches 1.
 
-    Before that, e = 1 - S only falls.  Within a piece |e| exceeds the line between its ends at most
-    by e's bending; initial pieces on which e is surely positive do not count; after the last piece
-    e decays.
+    Before that, e = 1 - S decreases.  Within a piece |e| exceeds the chord by e's curvature at
+    most.  Initial pieces on which e is surely positive do not count; after the last piece e decays.
     """
     rate = _slowest(cells)
     times = np.linspace(0.0, 2 * SWINGS / rate, SWING_PIECES + 1)
@@ -265,7 +265,7 @@ def _second_order_swing(frequency: tuple[float, float], damping: tuple[float, fl
 
 
 def _slowest(cells: Cells) -> float:
-    """A decay rate of every member's step response, with a reserve of a tenth."""
+    """A decay rate of every member's step response, with a margin of a tenth."""
     half = 0.5 * cells.a.lo
     under = np.sqrt(np.maximum(half**2 - cells.b.lo, 0.0))
     return 0.9 * float(np.min(half - under))

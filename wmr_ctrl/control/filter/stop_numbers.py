@@ -1,4 +1,4 @@
-"""Numbers of a governor that is told limits and free ways: times, distances, and how it leaves.
+"""Times, distances and ways to leave, of a governor that receives limits and free distances.
 
 They are those of its graph (`stopping`, `ways`) for a scenario's own values, for people to read.
 """
@@ -18,7 +18,7 @@ from .ways import Stop
 
 
 def stop_of(scenario: Scenario, axis: int) -> tuple[Stop[float], Schedule]:
-    """How v (0) or omega (1) comes to rest, and the times of its commands."""
+    """The `Stop` of v (0) or omega (1), and the times of its commands."""
     settings, T, plan = scenario.filter, scenario.clock.control, schedules(scenario)[axis]
     acts, nearing = plan.acting * T, 0.0 if axis else settings.nearing
     stop = Stop(
@@ -29,7 +29,7 @@ def stop_of(scenario: Scenario, axis: int) -> tuple[Stop[float], Schedule]:
 
 
 def _reaction(scenario: Scenario, axis: int) -> float:
-    """Time [s] in which a clip's base may not slow down yet: delay, command and lag."""
+    """Time [s] before a clip's base surely slows down: delay, command and lag."""
     plan, tau = schedules(scenario)[axis], scenario.filter.tau
     lag = scenario.filter.intervals("tau")[axis][1] if tau is not None else 0.0
     return (plan.delay[1] + plan.acting) * scenario.clock.control + lag
@@ -37,10 +37,10 @@ def _reaction(scenario: Scenario, axis: int) -> float:
 
 @dataclass(frozen=True)
 class Stopping:
-    """Distance [m] that a base needs to stop from ``speed`` [m/s], and what it is made of [m].
+    """Distance [m] that a base needs to stop from ``speed`` [m/s], and its parts [m].
 
-    ``delay``: until 0 acts. ``push``: what pushes, releases and what comes nearer take. ``brake``:
-    the speed's own way to rest. ``error``: of the distance.
+    ``delay``: until 0 acts.  ``push``: due to pushes, releases and approaching obstacles.
+    ``brake``: from the speed to rest.  ``error``: of the measured distance.
     """
 
     speed: float
@@ -68,7 +68,7 @@ def stopping(scenario: Scenario, speed: float) -> Stopping:
 
 
 def leaves_from(scenario: Scenario) -> float:
-    """Least free distance [m], as told, at which a base at rest leaves at once, without a hold."""
+    """Least received free distance [m] at which a base at rest may leave without a hold."""
     error = scenario.filter.free_error or 0.0
     if scenario.filter.kind == "clip":
         return error + _starting(scenario)
@@ -77,7 +77,9 @@ def leaves_from(scenario: Scenario) -> float:
 
 
 def _starting(scenario: Scenario) -> float:
-    """Way [m] that a clip keeps for one release, and for what comes nearer meanwhile."""
+    """Distance [m] that a clip reserves for one release and for obstacles that approach
+    meanwhile.
+    """
     settings, rest = scenario.filter, scenario.filter.rest or 0.0
     slows = scenario.limits.v_max[0] / settings.decel[0] if settings.decel else 0.0
     return settings.d[0] * rest + settings.nearing * (_reaction(scenario, 0) + slows + rest)
@@ -89,7 +91,8 @@ def fastest(scenario: Scenario) -> float:
 
 
 def costs(scenario: Scenario) -> dict[str, float]:
-    """Distance [m] that one more millisecond of delay, per cent of tau and second of rest take.
+    """Extra stopping distance [m] for one millisecond more of delay, 1 % more of tau and 1 s more
+    of rest.
 
     At the largest speed.
     """
@@ -128,9 +131,9 @@ class Leaving:
 
 
 def pull_away(scenario: Scenario, way: int = -1) -> float:
-    """Least speed [m/s] by the largest command away from an obstacle ahead (``way`` -1) or behind.
+    """Least speed [m/s] of the largest command away from an obstacle ahead (``way`` -1) or behind.
 
-    It can never leave by commands where that is not above 0.
+    If it is not above 0, commands can never drive the base away.
     """
     (least, most), d = scenario.filter.intervals("gain")[0], scenario.filter.d[0]
     V = scenario.limits.v_max[0] if way > 0 else -scenario.limits.v_min[0]
@@ -138,9 +141,9 @@ def pull_away(scenario: Scenario, way: int = -1) -> float:
 
 
 def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
-    """How a base leaves what is before it (``way`` -1) or behind it (1).
+    """How a base can leave an obstacle ahead (``way`` -1) or behind it (1).
 
-    None where nothing holds it, without a rest, or where it never can.
+    None if nothing holds it, if the filter has no rest, or if it can never leave.
     """
     settings, T, pull = scenario.filter, scenario.clock.control, pull_away(scenario, way)
     if settings.kind == "clip" or settings.rest is None or pull <= 0:
@@ -155,7 +158,9 @@ def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
 
 
 def rolls_back(scenario: Scenario) -> float:
-    """Way [m] that a push may lead the other way during a stop: the body's radius must hold it."""
+    """Distance [m] that a push may move the base the other way during a stop, for the body's radius
+    to cover.
+    """
     settings = scenario.filter
     if settings.kind == "clip":
         return settings.d[0] * (_reaction(scenario, 0) + (settings.rest or 0.0))
@@ -164,7 +169,7 @@ def rolls_back(scenario: Scenario) -> float:
 
 
 def smallest_window(scenario: Scenario) -> Pair:
-    """Headings [rad] to either side that a stop, and a stop and a hold, may turn through.
+    """Largest turn [rad] to either side during a stop, and during a stop and a hold.
 
     The hold is that of twice the least command that drives away.
     """
@@ -187,9 +192,9 @@ def _commands(plan: Schedule, T: float, time: float) -> float:
 
 
 def time_inside(scenario: Scenario, axis: int, before: float, after: float) -> float:
-    """Longest time [s] from a step that is told a limit ``after`` until the base is within it.
+    """Longest time [s] from a step that receives the limit ``after`` until the base is within it.
 
-    It was within ``before``, both of one side [m/s, rad/s]; inf if no time is promised.
+    It was within ``before``, both limits of one side [m/s, rad/s]; inf if no time is promised.
     """
     stop, plan = stop_of(scenario, axis)
     d, T = stop.push, scenario.clock.control

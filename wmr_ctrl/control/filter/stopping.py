@@ -1,21 +1,22 @@
-"""Governor whose limits change while it drives, and that stops before what is in the way.
+"""Governor whose limits may change while it drives, and that stops before obstacles.
 
-Each step may be told limits of both axes and directions, and the free way ahead, behind, to the
-left and to the right.
+Each step may receive limits of both axes and directions, and the free distance ahead, behind, to
+the left and to the right.
 
 **Limits.** With V the limit in force and v_bar the bound of the speed where the command takes over,
 
     hi = (V - d + min(k1 (V - v_bar), k2 (V - v_bar)))/K_max,       at least 0,
     k1 = 1/(exp(H/tau_min) - 1),   k2 = 1/(exp(h/tau_max) - 1),
 
-with h the least time for which a command acts: the base is inside as soon as zeros would bring it
-there (`filter.limits.enters`).
+with h the least time for which a command acts: the base is within the limit as soon as zeros would
+bring it there (`filter.limits.enters`).
 
-**Ways.** A command passes where its stop ends within the free way (`ways`). Where none does, (0, 0)
-is sent: so is it for the other axis, whose command would open the brake. A base that the filter
-stopped leaves by a command away from what is near, with which it cannot creep back: if its distance
-certifies that; or if the command before was away, too; or if it was asked for from rest so long
-that the way gained in that time exceeds what one release rolls.
+**Free distances.** A command passes if its stop ends within the free distance (`ways`).  If no
+command does, (0, 0) is sent, on the other axis too, whose command would open the brake.  A base
+that the filter stopped leaves by a command away from the obstacle that cannot let it creep back.
+Such a command is sent in three cases: the free distance is large enough, the command before was
+one, or it was requested from rest for so long that the distance gained exceeds the roll of one
+release.
 """
 
 from dataclasses import replace
@@ -60,7 +61,7 @@ LEAST_PERIOD = 1e-9
 
 
 class StoppingGovernor(Watching, Governor):
-    """Graph of a governor that is told limits, free ways, or that its base brakes at rest."""
+    """Graph of a governor that receives limits or free distances, or whose base brakes at rest."""
 
     def __init__(self, scenario: Scenario) -> None:
         """Create the ports; ScenarioError if the times span too many samples."""
@@ -89,7 +90,9 @@ class StoppingGovernor(Watching, Governor):
 
     @property
     def remembered(self) -> int:
-        """Number of commands that the state holds, those while a distance was measured included."""
+        """Number of commands in the state, including those that acted when a distance was
+        measured.
+        """
         return remembered(self.plans, self.scenario)
 
     def _idle(self, command: ca.SX) -> ca.SX:
@@ -106,7 +109,9 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def in_force(self) -> Sides:
-        """Limit of each side: at least the push, at most the scenario's; the push if not told."""
+        """Limit of each side: at least the push, at most the scenario's; the push if not
+        received.
+        """
         if not self.scenario.filter.changing:
             return each_side(lambda place, i: self._bounds(place)[i].V)
         return told_limits(self.limits_told.sym, self.channels)
@@ -116,7 +121,7 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def now(self) -> Sides:
-        """Bounds of the present speed, by what acts now also."""
+        """Bounds of the present speed, also from the commands that act now."""
         own = super().now
         return each_side(lambda place, i: ca.fmin(own[place][i], self.told[place][i].cap_now))
 
@@ -132,11 +137,11 @@ class StoppingGovernor(Watching, Governor):
 
     @property
     def believed(self) -> ca.SX:
-        """1 where the bounds of the speed are valid."""
+        """1 if the bounds of the speed are valid."""
         return self.trusted
 
     def far(self, place: int, axis: int) -> ca.SX:
-        """Way from which on a free way limits no command."""
+        """Free distance from which on no command is limited."""
         stop, b = self.stops[axis], self.channels[axis].sides[place]
         times = stop.time + stop.fading + self.p.take("filter.free_age")
         kept = (1 + self.scenario.filter.leave) * stop.creep
@@ -145,7 +150,7 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def reached(self) -> list[list[list[Reached[ca.SX]]]]:
-        """Ways and speeds of each side where the next command may take over."""
+        """Distances and speeds on each side when the next command may take over."""
         return each_side(self._reached)
 
     def _reached(self, place: int, axis: int) -> list[Reached[ca.SX]]:
@@ -154,7 +159,7 @@ class StoppingGovernor(Watching, Governor):
         return [self._sure(at, motion) for at in takeovers]
 
     def _sure(self, at: Reached[ca.SX], motion: ToldBound) -> Reached[ca.SX]:
-        """What is reached, the most where the times of commands cannot be trusted."""
+        """`reached`, or the largest values if the commands' times cannot be trusted."""
         V, last = motion.bounds.V, motion.schedule.delay[1] * self.T
         return Reached(
             at.instant,
@@ -164,7 +169,7 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def stopping(self) -> Sides:
-        """Largest commands by the free ways; below 0 where no stop ends in time."""
+        """Largest commands by the free distances; below 0 if no stop ends in time."""
         return each_side(self._stopping)
 
     def _stopping(self, place: int, axis: int) -> ca.SX:
@@ -178,7 +183,7 @@ class StoppingGovernor(Watching, Governor):
         return each_side(lambda place, i: ca.fmax(0, self._admitted(place, i)))
 
     def _admitted(self, place: int, axis: int) -> ca.SX:
-        """Largest command by the limit in force and by the free way."""
+        """Largest command by the limit in force and by the free distance."""
         motion = self.told[place][axis]
         acts = ca.fmax(motion.schedule.shortest * self.T, LEAST_PERIOD)
         slowest, V = 1 / ca.expm1(acts / motion.tau[1]), self.in_force[place][axis]
@@ -187,13 +192,13 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def offered(self) -> ca.SX:
-        """The command (2,) before it is known whether the brake may open for it."""
+        """Command (2,) before it is known whether the brake may open for it."""
         sent = self.within_limits
         return ca.if_else(ca.fabs(sent) > TRACE, sent, 0)
 
     @cached_property
     def away(self) -> Sides:
-        """Steady speeds towards each side, at most."""
+        """Largest steady speed towards each side."""
         return each_side(self._away)
 
     def _away(self, place: int, axis: int) -> ca.SX:
@@ -202,14 +207,14 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def leaves(self) -> Sides:
-        """1 for each side from which the command drives away, whatever pushes."""
+        """1 for each side that the command drives away from under any push."""
         return each_side(lambda place, i: ca.logic_and(
             WAYS[place] * self.offered[i] < 0, self.away[place][i] <= 0
         ))  # fmt: skip
 
     @cached_property
     def pull(self) -> Sides:
-        """Least speed away from each side that the command comes to in the long run."""
+        """Least steady speed of the command away from each side."""
         return each_side(self._pull)
 
     def _pull(self, place: int, axis: int) -> ca.SX:
@@ -219,7 +224,7 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def open(self) -> Sides:
-        """1 for each side that the command may use, or from which it may drive away."""
+        """1 for each side that the command may use, or that it may drive away from."""
         return each_side(self._is_open)
 
     def _is_open(self, place: int, axis: int) -> ca.SX:
@@ -239,10 +244,10 @@ class StoppingGovernor(Watching, Governor):
         return ca.logic_or(certain, passes)
 
     def _lasts(self, place: int, axis: int) -> ca.SX:
-        """0 for a request away that was refused, and may be so again before it has led away.
+        """0 for a request away that was refused, and may be refused again before it has led away.
 
-        Distances that are off now and then would let single commands pass, after each of which
-        rest is no longer known.
+        Distances with occasional errors would let single commands pass, and after each of them rest
+        is no longer known.
         """
         way, push = WAYS[place], self.channels[axis].bounds.dbar
         request = [self.leaves[place][axis], self.waited.sym[place + 2 * axis] > 0]
@@ -251,7 +256,7 @@ class StoppingGovernor(Watching, Governor):
         return ca.logic_or(ca.logic_not(fresh), free)
 
     def _holding(self, place: int, axis: int) -> ca.SX:
-        """n_hold: commands away after which a release ends no nearer than where it began."""
+        """n_hold: number of commands away after which a release ends no nearer than the start."""
         plan, pull = self.plans[axis], self.pull[place][axis]
         return plan.losses + whole_steps(plan, self.T, self.stops[axis].hold(pull))
 
@@ -261,7 +266,7 @@ class StoppingGovernor(Watching, Governor):
         return (self._holding(place, axis) * (1 + plan.jitter) + plan.longest) * self.T
 
     def _is_ripe(self, place: int, axis: int) -> ca.SX:
-        """1 where a command straight away was asked for from rest long enough."""
+        """1 if a command straight away was requested from rest for long enough."""
         pull, time = self.pull[place][axis], self._lasting(place, axis)
         waited = self.waited.sym[place + 2 * axis] >= self._holding(place, axis) * pull
         straight = self.offered[1 - axis] == 0
@@ -273,9 +278,10 @@ class StoppingGovernor(Watching, Governor):
         return reduce(ca.logic_and, (pull > LEAST_PULL, waited, straight, *goes_on))
 
     def _stays_free(self, place: int, axis: int, speed: ca.SX, time: ca.SX) -> ca.SX:
-        """1 where a side stays open while its speed is at most this for a time [s].
+        """1 if a side stays open while the speed towards it is at most ``speed`` for a time [s].
 
-        Ways that are told later may be less by twice their error and the way of their age.
+        Distances received later may be smaller by twice their error and by the distance driven in
+        their age.
         """
         stop, aged = self.stops[axis], self.p.take("filter.free_age")
         told = speed * aged + (0 if axis else 2 * self.p.take("filter.free_error"))
@@ -284,17 +290,17 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def opens(self) -> ca.SX:
-        """1 where no side forbids the command."""
+        """1 if no side forbids the command."""
         return reduce(ca.logic_and, (item for side in self.open for item in side))
 
     @cached_property
     def safe(self) -> ca.SX:
-        """The safe command (2,) for sound parameters."""
+        """Safe command (2,) for sound parameters."""
         return ca.if_else(self.opens, self.offered, 0) if self.distances else self.offered
 
     @cached_property
     def held(self) -> ca.SX:
-        """1 where the base stands by the time the command acts, and (0, 0) is sent."""
+        """1 if the base stands by the time the command acts, and (0, 0) is sent."""
         plan = max(self.plans, key=lambda plan: plan.spread)
         rest = ca.SX(0) if self.rest is None else self.rest
         time = rest + plan.losses * (1 + plan.jitter) * self.T
@@ -316,7 +322,7 @@ class StoppingGovernor(Watching, Governor):
         return ca.if_else(self.held, 0, bound)
 
     def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
-        """Steady speed to which each command may drive an axis: 0 while the base stands."""
+        """Steady speed that each command can cause on an axis: 0 while the base stands."""
         targets = super()._targets(way, number, newest)
         if self.rest is None:
             return targets
@@ -325,7 +331,7 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def onward(self) -> list[list[ToldBound]]:
-        """`told` with the command just sent."""
+        """`told`, extended by the command just sent."""
         return each_side(self._onward)
 
     def _onward(self, place: int, axis: int) -> ToldBound:
@@ -342,7 +348,7 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def free_following(self) -> list[ca.SX]:
-        """Free ways at the next sample."""
+        """Free distances at the next sample."""
         return [self._free_following(place, i) for i in AXES for place in AXES]
 
     def _free_following(self, place: int, axis: int) -> ca.SX:
@@ -355,7 +361,9 @@ class StoppingGovernor(Watching, Governor):
 
     @cached_property
     def waiting(self) -> list[ca.SX]:
-        """Refused pull away from each side, summed: it ends with the request, or once it passes."""
+        """Sum of refused speeds away from each side.  It is reset when the request ends or
+        passes.
+        """
         return [self._waiting(place, i) for i in AXES for place in AXES]
 
     def _waiting(self, place: int, axis: int) -> ca.SX:
@@ -370,7 +378,7 @@ class StoppingGovernor(Watching, Governor):
 
     @property
     def inputs(self) -> tuple[Port, ...]:
-        """What each step is told."""
+        """Inputs of each step."""
         limits = (self.limits_told,) if self.scenario.filter.changing else ()
         free = (self.free, self.free_age) if self.distances else ()
         return (*super().inputs, *limits, *free)
@@ -389,7 +397,7 @@ class StoppingGovernor(Watching, Governor):
 
     @property
     def memory(self) -> tuple[tuple[Port, ...], list[ca.SX]]:
-        """State, the governor's first, and its next values."""
+        """State and its next values, those of the plain governor first."""
         state, update = super().memory
         own = self.watched
         if self.distances and self.rest is not None:

@@ -1,15 +1,16 @@
-"""How far a base with a first-order speed loop goes until it stands, on one side of one axis.
+"""Stopping distance of a base with a first-order speed loop, towards one side of one axis.
 
-Its stop: the command u that is sent now takes over within ``last`` and acts for at most ``acts``;
+In a stop the command u that is sent now takes over within ``last`` and acts for at most ``acts``;
 then 0 acts, and after a ``rest`` B of 0 the base stands and holds (a brake, control at standstill).
-With A(t; tau) = tau (1 - exp(-t/tau)) and q = A/tau, a base that goes w when u takes over has then
-gone at most
+With A(t; tau) = tau (1 - exp(-t/tau)) and q = A/tau, a base with speed w when u takes over then
+moves by at most
 
     m s + r w + d B - d A_B,    s = D - A + A_B q,    r = A + A_B (1 - q),    A_B = A(B; tau_max)
 
-for a steady speed m = K_max u + d >= d, D the longest time for which u acts, and one of both ends
-of tau (A and q of D and tau). The largest m whose way is within the free distance follows from one
-line for each time at which u may take over and each end of tau (`filter.free.plan`).
+for a steady speed m = K_max u + d >= d, where D is the longest time for which u acts, and tau (in A
+and q) is its least or largest value.  The largest m whose stop ends within the free distance
+follows from one line for each time at which u may take over and each end of tau
+(`filter.free.plan`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,7 +27,7 @@ from .governor import NEAR, FirstOrder, Piece, SpeedBound, largest, relaxed
 
 
 def covered(time: Number, tau: Number) -> Number:
-    """Way for each m/s of a speed that fades with ``tau`` for a ``time`` [s]."""
+    """Distance per m/s of a speed that decays with ``tau`` for a ``time`` [s]."""
     return -tau * ca.expm1(-time / tau)
 
 
@@ -41,7 +42,7 @@ def told_command(V: ca.SX, v_bar: ca.SX, b: FirstOrder, slowest: ca.SX) -> ca.SX
 
 
 def farthest(v: ca.SX, target: ca.SX, time: ca.SX, least: ca.SX, most: ca.SX) -> ca.SX:
-    """Way in a ``time`` [s] from the speed v towards ``target``.
+    """Distance in a ``time`` [s] from the speed v towards ``target``.
 
     ``least`` and ``most`` bound `covered` of that time.
     """
@@ -51,7 +52,7 @@ def farthest(v: ca.SX, target: ca.SX, time: ca.SX, least: ca.SX, most: ca.SX) ->
 
 @dataclass(frozen=True)
 class Reached(Generic[Number]):
-    """Bounds when a piece of time ends: the instant [s], way gone since now, and speed (>= 0)."""
+    """Bounds at the end of a piece: instant [s], distance driven since now, and speed (>= 0)."""
 
     instant: Number
     way: Number
@@ -62,9 +63,9 @@ class Reached(Generic[Number]):
 class Stop(Generic[Number]):
     """How an axis comes to rest; times in s.
 
-    ``tau``: least and largest. ``push``: d. ``rest``: None if nothing brakes but the loop.
-    ``acts``: longest time between commands. ``last``: largest delay. ``nearing``: speed at which
-    what is in the way comes nearer.
+    ``tau``: least and largest.  ``push``: d.  ``rest``: None if only the loop brakes.  ``acts``:
+    longest time between commands.  ``last``: largest delay.  ``nearing``: speed at which obstacles
+    approach.
     """
 
     tau: tuple[Number, Number]
@@ -76,17 +77,17 @@ class Stop(Generic[Number]):
 
     @property
     def fading(self) -> Number:
-        """Way during the rest for each m/s of speed at its start."""
+        """Distance during the rest per m/s of speed at its start, for the largest tau."""
         return self.tau[1] if self.rest is None else covered(self.rest, self.tau[1])
 
     @cached_property
     def quick(self) -> Number:
-        """The same of the quickest base."""
+        """Distance during the rest per m/s of speed at its start, for the least tau."""
         return self.tau[0] if self.rest is None else covered(self.rest, self.tau[0])
 
     @property
     def creep(self) -> Number:
-        """Way that a push leads to during the rest."""
+        """Distance due to a push during the rest."""
         return 0 * self.push if self.rest is None else self.push * self.rest
 
     @property
@@ -96,17 +97,19 @@ class Stop(Generic[Number]):
 
     @property
     def roll(self) -> Number:
-        """Largest way that a push leads to after a command away was let go, from rest."""
+        """Largest distance due to a push after a command away from rest is released."""
         if self.rest is None:
             return 0 * self.push
         return self.push * (self.rest - self.quick)
 
     def hold(self, pull: Number) -> Number:
-        """Time after which a command away with this ``pull`` has gained what a release rolls."""
+        """Time after which a command away with this ``pull`` has gained the distance of a
+        release.
+        """
         return self.roll / pull + self.tau[1] - self.quick
 
     def room(self, free: Number) -> Number:
-        """Free distance less what any stop takes."""
+        """Free distance less the part that any stop needs."""
         return free - self.nearing * self.time - self.creep + self.fading * self.push
 
     def line(self, instant: Number, tau: Number) -> tuple[Number, Number]:
@@ -117,7 +120,7 @@ class Stop(Generic[Number]):
         return longest - way + self.fading * share, way + self.fading * (1 - share)
 
     def steady(self, free: Number, takeovers: Sequence[Reached[Number]]) -> Number:
-        """Largest steady speed m whose stop ends within ``free``; below ``push`` there is none."""
+        """Largest steady speed m whose stop ends within ``free``; none exists below ``push``."""
         room, most = self.room(free), list[Number]()
         for at in takeovers:
             for tau in self.tau:
@@ -127,9 +130,9 @@ class Stop(Generic[Number]):
         return least
 
     def retreat(self, way: Number, speed: Number, target: Number) -> Number:
-        """Free distance that a command away needs, which drives at most to ``target`` <= 0.
+        """Free distance that a command away needs, if it drives at most to ``target`` <= 0.
 
-        ``way``: gone before it takes over; ``speed`` <= 0: then.
+        ``way``: driven before it takes over; ``speed`` <= 0: at that time.
         """
         rolls = self.creep + (ca.fmax(speed, target) - self.push) * self.quick
         return self.nearing * self.time + way + ca.fmax(0, rolls)
@@ -137,11 +140,11 @@ class Stop(Generic[Number]):
 
 @dataclass(frozen=True)
 class ToldBound(SpeedBound):
-    """`SpeedBound` behind limits that change, on a base with a brake.
+    """`SpeedBound` with changing limits, on a base with a brake.
 
-    By age of the command, [0] the newest: ``most`` bounds the speed while it acts; ``still`` is 1
-    if it may act as (0, 0), during which a brake may end any motion. ``punctual``: 1 if all
-    commands that may act were sent in time.
+    Lists are by age of the command, [0] the newest: ``most`` bounds the speed while it acts;
+    ``still`` is 1 if it may act as (0, 0), during which a brake may end any motion.  ``punctual``:
+    1 if all commands that may act were sent in time.
     """
 
     punctual: ca.SX
@@ -163,12 +166,12 @@ class ToldBound(SpeedBound):
         shares: tuple[ca.SX, ca.SX],
         cut: bool = True,
     ) -> ca.SX:
-        """Bound of the speed after a piece with these shares; it is cut in any case."""
+        """Bound of the speed after a piece with these shares, always limited by `cap`."""
         start, target = self._lifted(v, piece), self.target(piece, targets)
         return self._lifted(ca.fmin(relaxed(start, target, *shares), self.cap(piece)), piece)
 
     def cap(self, piece: Piece) -> ca.SX:
-        """Bound of the speed in a piece by the commands that may act in it."""
+        """Bound of the speed in a piece from the commands that may act in it."""
         most = largest([*(self.most[age] for age in reversed(piece.ages)), *self.stopped])
         return most if self.schedule.stops_alone else ca.if_else(self.punctual, most, self.bounds.V)
 
@@ -182,7 +185,7 @@ class ToldBound(SpeedBound):
     def onward(
         self, v: ca.SX, pieces: Sequence[Piece], targets: Sequence[ca.SX]
     ) -> Iterator[Reached[ca.SX]]:
-        """Way and speed, neither counted backwards, when each piece ends."""
+        """Distance and speed at the end of each piece; backward motion counts as 0."""
         way, speed = ca.SX(0), ca.fmax(v, 0)
         for piece in pieces:
             time = (piece.end - piece.start) * self.period
@@ -193,9 +196,9 @@ class ToldBound(SpeedBound):
 
     @property
     def cap_now(self) -> ca.SX:
-        """Bound of the speed by the commands that may act until the sample.
+        """Bound of the speed from the commands that may act until the sample.
 
-        Where all others are lost, and none is late, the last one of these has ceased by then.
+        If all others are lost, and none is late, the last one of these has ceased to act by then.
         """
         plan, lost = self.schedule, self.schedule.losses
         ages = [age for age in range(1, max(plan.oldest, 1 + lost) + 1)
@@ -203,7 +206,7 @@ class ToldBound(SpeedBound):
         return self.cap(Piece(0.0, 0.0, tuple(ages)))
 
     def takeovers(self, v: ca.SX, targets: Sequence[ca.SX]) -> list[Reached[ca.SX]]:
-        """Way and speed at each instant at which the next command may take over."""
+        """Distance and speed at each instant at which the next command may take over."""
         first, last = self.schedule.delay
         pieces = self.schedule.pieces(0.0, last, 1, first) if last else []
         reached = list(self.onward(v, pieces, targets))
@@ -211,7 +214,9 @@ class ToldBound(SpeedBound):
         return ends if first > NEAR else [Reached(ca.SX(0), ca.SX(0), ca.fmax(v, 0)), *ends]
 
     def until_next(self, v: ca.SX, targets: Sequence[ca.SX]) -> ca.SX:
-        """Way until the next sample, at latest; ``targets[0]`` is of the command just sent."""
+        """Largest distance until the next sample; ``targets[0]`` is that of the command just
+        sent.
+        """
         jitter = self.schedule.jitter
         pieces = self.schedule.pieces(0.0, 1 + jitter, 0, 1 - jitter)
         *_, end = self.onward(v, pieces, targets)
