@@ -31,10 +31,10 @@ class Applied:
     """
 
     def __init__(self, setup: Setup, p: Parameters, known: Iterable[Port] = ()) -> None:
-        """Create the state of a setup's drives; ``known`` are a law's ports of the same memory.
+        """Create the state of a setup's drives; ``known`` are a law's ports for the same memory.
 
-        The guard may assume longer delays than the drives have, if another effect delays commands,
-        and a law may predict over more commands than there are.
+        The guard may assume longer delays than the drives have, if another effect delays commands.
+        A law may predict over more commands than are in transit.
         """
         own = {item.signal: item for item in known}
         scenario, clock = setup.scenario, setup.scenario.clock
@@ -82,7 +82,7 @@ def followed(
 ) -> tuple[Torque, Torque]:
     """Mean torque over a sample, and the torque at its end behind a lag, for commands by age.
 
-    The torque ``acting`` before decays by the factor ``decay`` per step; 0 without lag.
+    The torque ``acting`` before decays by the factor ``decay`` per step, which is 0 without lag.
     """
     whole, part, steps = late
     pieces = [(commands[whole], steps - part)]
@@ -98,11 +98,11 @@ def followed(
 
 
 def is_partial(part: ca.SX | float) -> bool:
-    """True if plant steps remain beyond whole periods; a symbol counts as remaining steps."""
+    """True if a delay in plant steps is not a whole number of periods; always for a symbol."""
     return isinstance(part, ca.SX) or part > 0
 
 
 def remembered(law: System) -> tuple[Port, ...]:
-    """Inputs of a law that are memory of torques: applied ones and sent ones."""
+    """Inputs of a law that hold past torques: applied ones and sent ones."""
     sent = {tau_sent(age) for age in range(1, len(law.inputs) + 1)}
     return tuple(item for item in law.inputs if item.signal in {TAU_APPLIED, *sent})

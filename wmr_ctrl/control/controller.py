@@ -1,4 +1,6 @@
-"""controller: law, guard and map onto the wheels, as one sampled System; watched or not."""
+"""controller: law, guard and map onto the wheels, as one sampled System, with or without a
+monitor.
+"""
 
 from math import inf, nextafter
 
@@ -27,9 +29,9 @@ def controller(setup: Setup) -> System:
     """The law, the guard if it is on, then the wheels' limit: tau_right, tau_left [N m].
 
     For a base that takes velocities: the law, an adapter if the law outputs a force, then the
-    command filter if there is one: v_command [m/s], omega_command [rad/s]. A law's inputs
-    tau_applied and tau_sent become state of this System, which remembers its commands and the
-    drives' response to them.
+    command filter if there is one: v_command [m/s], omega_command [rad/s].  This System supplies a
+    law's inputs tau_applied and tau_sent: its state holds past commands and the drives' response to
+    them.
     """
     return _composed(setup, watched=setup.scenario.guard.enabled)
 
@@ -47,7 +49,7 @@ def watched_controller(setup: Setup) -> System:
 def asking_controller(setup: Setup) -> System:
     """`watched_controller` whose last diagnostic is the force that the law requests.
 
-    That is the input of `guard`: the law's output before this System's guard and wheel limit.
+    That force is the input of `guard`: the law's output before this System's guard and wheel limit.
     """
     return _composed(setup, watched=True, asking=True)
 
@@ -135,7 +137,7 @@ def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
 
 
 def _reached(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
-    """The part of a force (2,) [N, N m] that the wheels can exert; the thrust has priority."""
+    """Part of a force (2,) [N, N m] that the wheels can exert; the thrust has priority."""
     _, half_track, phi = _wheels(setup, p)
     return linear_first(asked, phi, half_track)
 
@@ -191,7 +193,7 @@ def _built_for(setup: Setup, p: Parameters) -> list[ca.SX]:
 
 
 def _counted(setup: Setup, p: Parameters, time: float) -> ca.SX:
-    """A time [s] that the graph counts in control periods, for the present clock period.
+    """A time [s] that is constant in control periods, for the present clock period.
 
     At the settled period it is not less than the time, in double arithmetic.
     """
@@ -257,7 +259,7 @@ def _composed(setup: Setup, *, watched: bool, asking: bool = False) -> System:
 
 
 def velocity_sender(setup: Setup, core: System, late: Lateness | None = None) -> SentVelocity:
-    """The SentVelocity of a law for a base that takes velocities; ``late`` as in SentVelocity."""
+    """SentVelocity of a law for a base that takes velocities; ``late`` as in SentVelocity."""
     p = Parameters(setup, core.params)
     asked = core.outputs[0].expr
     direct = core.outputs[0].signal == ASKED
@@ -273,7 +275,7 @@ def lacking(scenario: Scenario, law: str) -> tuple[str, ...]:
 
 
 def _unknown_in(setup: Setup, system: System) -> tuple[str, ...]:
-    """Unstated keys of the robot on which this System of a controller depends."""
+    """Unstated keys of the robot that this System of a controller depends on."""
     scenario = setup.scenario
     unknown, result = unknown_keys(scenario), ca.vertcat(system.update, system.y)
     read = []

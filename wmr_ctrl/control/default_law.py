@@ -35,7 +35,7 @@ def law_of(scenario: Scenario, law: str | None) -> str:
 
 
 def judges_gains(scenario: Scenario, law: str, asked: bool) -> bool:
-    """True if somebody chose the gains of ``law``, so that they may be objected to.
+    """True if somebody chose the gains of ``law``, so that checks may object to them.
 
     That is the case if the user or the scenario names the law, or if it is the default law and its
     gains are stated.

@@ -1,4 +1,4 @@
-"""Read what a caller gives: a preset, a file or a Scenario, with overrides; and a law."""
+"""Reader of a caller's scenario (a preset, a file or a Scenario, with overrides) and law."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -142,7 +142,7 @@ class Graphs:
         return ca.vertcat(self.plant.x, *self.step.following)
 
     def _join_sensors(self, setup: Setup, *, external_plant: bool) -> list[System]:
-        """Create the plant and the wirings of both rates, with the sensors, which are returned."""
+        """Create the plant, the wirings of both rates and the sensors; return the sensors."""
         self.parameters = Parameters(setup)
         sample = Wiring(setup, self.parameters, Rate.SAMPLE, {})
         sensors = sample.effects(EffectRole.SENSOR)
@@ -187,7 +187,7 @@ class Graphs:
         return ca.vertcat(after, *self.step.following)
 
     def _know_exerted(self, drives: list[System]) -> None:
-        """Make the torques that the speed loop exerted before known to a sample.
+        """Make the torques that the speed loop last exerted available to a sample.
 
         NaN if the robot's numbers are unknown.
         """
@@ -317,9 +317,10 @@ class LoopGraphs(Graphs):
             self.gap = (reduce(ca.fmin, away) - self.parameters.take("body.radius"),)
 
     def _told(self) -> Named:
-        """Limits and free ways, as a filter is told them in a run.
+        """Limits and free distances that a filter receives in a run.
 
-        Where nothing is near, any heading is free; else a window that suits the desired rotation.
+        If no obstacle is near, any heading is free; otherwise only a window that suits the desired
+        rotation.
         """
         scenario, settings = self.setup.scenario, self.setup.scenario.filter
         ahead, back = sides(scenario.limits, self.parameters)

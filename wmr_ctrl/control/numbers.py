@@ -33,7 +33,7 @@ ALWAYS_READ = frozenset((
 def structure_of(setup: Setup) -> Hashable:
     """Key that is equal for setups whose graphs differ at most in values of parameters.
 
-    A law, effect or reference of another package may read any number: then all numbers are in the
+    A law, effect or reference of another package may read any number.  Then all numbers are in the
     key.
     """
     scenario, kind = setup.scenario, setup.scenario.reference_kind
@@ -108,9 +108,9 @@ def fields_of(scenario: Scenario, keys: Iterable[str]) -> dict[str, Admitted]:
 
 
 def clock_of(scenario: Scenario) -> dict[str, Range]:
-    """Ranges of the clock if the drives have lag or delay, since the controller counts its steps.
+    """Ranges of the clock if the controller counts its steps.
 
-    The same if it sends velocities, behind a filter or a delay.
+    It does so for drives with lag or delay, and if it sends velocities behind a filter or a delay.
     """
     if scenario.actuator.ideal and not scenario.takes_velocity:
         return {}

@@ -33,7 +33,7 @@ def check_plain_loop(setup: Setup, holder: str) -> None:
 
 
 def check_outside_plant(setup: Setup) -> None:
-    """Raise ArgumentError for what only the loop's own plant does."""
+    """Raise ArgumentError for options that only the loop's own plant supports."""
     if STANDSTILL in setup.effects:
         raise ArgumentError(
             f"base.rest = {setup.scenario.base.rest:g}: a plant outside of the loop has no brake "

@@ -133,7 +133,7 @@ class Setup:
 
     @cached_property
     def broken(self) -> tuple[Contradiction, ...]:
-        """Numbers of an active guard that the scenario violates with permission."""
+        """Numbers of an active guard that the scenario violates and guard.trust permits."""
         if not self.scenario.guard.enabled:
             return ()
         stated = contradictions(self.scenario, self.bound)
@@ -145,7 +145,9 @@ class Setup:
         return bound_of(self.scenario, self.effects)
 
     def own(self, cls: type[S]) -> S:
-        """The law's gains as class ``cls``; raises ArgumentError for another law's."""
+        """The law's gains, checked to be of class ``cls``; raises ArgumentError for another
+        law's.
+        """
         if not isinstance(self.gains, cls):
             raise ArgumentError(f"{self.name} has {type(self.gains).__name__}, not {cls.__name__}.")
         return self.gains
@@ -329,8 +331,8 @@ def bound_of(scenario: Scenario, present: tuple[Effect, ...]) -> Bound:
 def with_traction_limit(scenario: Scenario) -> Scenario:
     """The scenario with wheel torques limited to what its tyres can surely transmit, if requested.
 
-    With actuator.traction, tau_max is at most `Grip.keep` of the true robot in each of its phases:
-    a limit of the vehicle, like the motors' own.  Raises ScenarioError if that is 0.
+    With actuator.traction, tau_max is at most `Grip.keep` of the true robot in each of its phases.
+    This is a limit of the vehicle, like that of its motors.  Raises ScenarioError if it is 0.
     """
     if not scenario.actuator.traction:
         return scenario
@@ -347,8 +349,8 @@ def with_traction_limit(scenario: Scenario) -> Scenario:
 def one_period_later(setup: Setup) -> Setup:
     """The setup with drives that are one control period later.
 
-    A controller that is built for it takes into account a master that passes values on only after
-    all parts have stepped.  Raises ScenarioError, which states both delays.
+    A controller that is built for it suits a master that passes values on only after all parts have
+    stepped.  Raises ScenarioError, which states both delays.
     """
     stated, period = setup.scenario.actuator.delay, setup.scenario.clock.control
     try:
@@ -362,7 +364,7 @@ def one_period_later(setup: Setup) -> Setup:
 
 
 def _finite_reference(scenario: Scenario) -> None:
-    """Check a reference once for all scenarios that share it."""
+    """Check that a reference is finite, once for all scenarios that share it."""
     kind = scenario.reference_kind
     key = (kind, scenario.reference, scenario.clock if kind in OUR_REFERENCES else scenario)
     if key not in _FINITE:

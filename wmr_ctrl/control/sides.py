@@ -1,6 +1,6 @@
-"""Limits of both directions as graphs read them, also those that change while a robot drives.
+"""Limits of both directions as graphs read them, including limits that change during a run.
 
-Where a scenario limits no direction apart, both are v_u1.
+If a scenario states no separate limits for the directions, both are v_u1.
 """
 
 import casadi as ca
@@ -12,9 +12,9 @@ from wmr_ctrl.world.scenario.sections import Limits
 
 
 def sides(limits: Limits, p: Parameters, kept: float = 0.0) -> tuple[ca.SX, ca.SX]:
-    """Limits of the velocities (2,) and of their negatives, less a share that is ``kept`` back.
+    """Limits of the velocities (2,) and of their negatives, less a share ``kept`` for rounding.
 
-    It is one of the larger limit, since numbers as large as that are rounded.
+    The share is one of the larger limit, since numbers of that size are rounded.
     """
     if not limits.apart:
         both = p.take("limits.v_u1") * (1 - kept)
@@ -30,7 +30,7 @@ LIMITS = Signal(
 
 
 def limits_port(scenario: Scenario) -> Port:
-    """The input of limits that change; by default the scenario's."""
+    """Input of limits that change; its default is the scenario's limits."""
     return port(LIMITS, [end for side in scenario.limits.sides for end in side])
 
 

@@ -1,15 +1,14 @@
 """Velocity for a base that takes velocities: the law's output, then the command filter.
 
-A law that asks for a force F is adapted by inverting the believed first-order loop of the base:
+A law that requests a force F is adapted by inverting the believed first-order loop of the base:
 
     a = M1^-1 (F - F1(v)),    u = v + s a,    s = T/(1 - exp(-T/tau)),
 
-so that the mean acceleration of the sample is the one that the law asks for. With M1 = diag(tau)
-and F1 = 0 that is u = v + F for T << tau. Source: Martins, Sarcinelli-Filho and Carelli, A
-velocity-based dynamic model and its properties for differential drive mobile robots (2017), whose
-model has coupling and drag terms beside the two time constants; they are 0 here. The applied force
-is computed back from the command that was sent, behind filter and known delay, so that an observer
-does not wind up.
+so that the mean acceleration of the sample is the requested one.  With M1 = diag(tau) and F1 = 0
+that is u = v + F for T << tau.  Source: Martins, Sarcinelli-Filho and Carelli, A velocity-based
+dynamic model and its properties for differential drive mobile robots (2017).  Their model also has
+coupling and drag terms, which are 0 here.  The applied force is calculated from the command that
+was sent, behind filter and known delay, so that an observer does not wind up.
 """
 
 from collections.abc import Mapping, Sequence
@@ -226,7 +225,7 @@ class SentVelocity:
         return ca.if_else(passed, self.core.update, self.core.x)
 
     def _remembering(self, sent: ca.SX) -> tuple[list[Port], list[ca.SX]]:
-        """Memory beside the law's for the velocity sent (2,), and its next values."""
+        """Memory in addition to the law's, for the velocity sent (2,), and its next values."""
         memory: list[Port] = [*self.earlier]
         following = [sent, *(item.sym for item in self.earlier[:-1])]
         if self.applied is not None:
@@ -242,7 +241,7 @@ class SentVelocity:
         update: ca.SX,
         shown: tuple[Output, ...],
     ) -> System:
-        """The law with all parameters and further ports, without inputs supplied by memory."""
+        """The law with all parameters and further ports, except inputs that the memory supplies."""
         known, core = {item.signal for item in memory}, self.core
         own = (item for item in core.inputs if item.signal not in known)
         return System(

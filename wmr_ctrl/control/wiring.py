@@ -29,7 +29,8 @@ FIRST_STREAM = 16
 class Stream:
     """Random numbers of one draw: their stream, kind, count and rate.
 
-    ``said``: whether they are needed and their bound (2,), as functions of the loop's parameters.
+    ``said``: graph of whether they are needed and of their bound (2,), as functions of the loop's
+    parameters.
     """
 
     draw: Draw
@@ -146,7 +147,7 @@ class Wiring:
         return self.run(system)
 
     def column(self, wanted: Sequence[signals.Signal]) -> ca.SX:
-        """Known signals, stacked."""
+        """Values of the wanted signals, stacked."""
         return stack(self.known[item.name] for item in wanted)
 
 

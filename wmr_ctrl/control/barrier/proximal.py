@@ -8,7 +8,7 @@ X_1 is v_c1 of Eq. (18).  Mirrored to c >= 0, with delta = u1 - u2:
     paper's f     c <= u2: c     c <= u2 + k/delta: u2    beyond: u1 - d,  t = c - u1
     smooth f      c <= u2: c                              beyond: u1 - d,  t = c - u1 + k/delta
 
-where d is the positive root of d (d + t) = k.  Never expansive, and defined for every c.
+where d is the positive root of d (d + t) = k.  X_k is nonexpansive and defined for every c.
 
 Transport from target c to target c+ on one axis, with x = X_1(c), x+ = X_1(c+), w = v - x,
 V0 = V1(v; c) and D1 = V1(x+ + w; c+) - w^2/2:
@@ -66,7 +66,9 @@ def transported(
 
 
 def level_share(w: ca.SX, level: ca.SX, excess: ca.SX) -> ca.SX:
-    """theta: the largest share of 1 with theta^2 w^2/2 + theta D1 <= V0; 1 where both are 0."""
+    """theta: largest number up to 1 with theta^2 w^2/2 + theta D1 <= V0; 1 if both w and D1
+    are 0.
+    """
     square = excess * excess + 2 * level * w * w
     some = square > 0
     divisor = excess + ca.sqrt(ca.if_else(some, square, 1))
@@ -74,7 +76,7 @@ def level_share(w: ca.SX, level: ca.SX, excess: ca.SX) -> ca.SX:
 
 
 def carried(v: ca.SX, x: ca.SX, x_next: ca.SX, nearer: ca.SX, share: ca.SX) -> ca.SX:
-    """v*: v where the target comes nearer by at most (1 - theta)|w|, else x+ + theta w."""
+    """v*: v if the target approaches it by at most (1 - theta)|w|, else x+ + theta w."""
     w = v - x
     left = ca.fabs(w) - nearer
     stays = ca.logic_and(nearer > 0, left >= share * ca.fabs(w))

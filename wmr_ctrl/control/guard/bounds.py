@@ -49,7 +49,7 @@ class GuardNumbers(Guard):
     )
 
     def relate(self) -> None:
-        """Refuse nothing: an unguarded run may state numbers that no guard could meet."""
+        """Check nothing: an unguarded run may state numbers that no guard could meet."""
 
     @property
     def latest(self) -> float:
@@ -77,7 +77,7 @@ class GuardNumbers(Guard):
         return first, second
 
     def knows_force(self, delay: float, lag: float) -> bool:
-        """True if velocities have no age and the drives' delay and lag are exactly these.
+        """True if velocities have no age and the drives' delay and lag are known exactly.
 
         Then the mean force of a sample is known.
         """
@@ -152,7 +152,7 @@ def net(guard: Guard, axis: int) -> float:
 
 
 def aim(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
-    """The smaller limit of both ways less the margin against rounding [m/s or rad/s]."""
+    """The smaller limit of both directions less the margin for rounding [m/s or rad/s]."""
     count, limits = max(i.roundings for i in guard.lateness(scenario.clock)), scenario.limits
     larger = max(limits.v_max[axis], -limits.v_min[axis])
     return limits.smaller[axis] - larger * rounding(count)
@@ -183,13 +183,13 @@ def reach(scenario: Scenario, guard: GuardNumbers, axis: int) -> float:
 
 
 def pair_of(pair: Pair | None) -> Pair:
-    """The pair, which is never None once the numbers are derived."""
+    """The pair, which must not be None: derived numbers never are."""
     assert pair is not None
     return pair
 
 
 def _derived_brake(scenario: Scenario, guard: GuardNumbers, tau_max: float) -> Pair:
-    """The largest allowed brake without torque limits, else dbar and a share of the spare torque.
+    """Largest allowed brake without torque limits; else dbar plus a share of the spare torque.
 
     The wheels' reach is reduced by ROUNDING, so that the computed sum is within reach.
     """

@@ -30,7 +30,7 @@ BEHIND = Signal("limits_behind", "1", "1: a limit in force is still wider than t
 
 
 class ChangingLimits:
-    """Input, state and diagnostic of limits that change, and the bounds with those in force."""
+    """Limits that change: input, state, diagnostic, and bounds with the limits in force."""
 
     def __init__(self, scenario: Scenario, p: Parameters, both: Bounds) -> None:
         """Limit the fall of the limits in ``both`` axes' bounds."""
@@ -64,7 +64,7 @@ _SIDES = ((0, -1), (1, 1))
 
 
 def _usable(limit: ca.SX, widest: ca.SX, b: Bounds) -> ca.SX:
-    """The limit nearest to one that is told, NaN as 0, that the guard can keep."""
+    """The limit nearest to the received one (NaN as 0) that the guard can keep."""
     least = ca.fmax(b.f_speed + 2 * ca.fmax(b.net, 0) / (b.M_min * b.alpha), 2 * b.nbar)
     return ca.fmin(ca.fmax(ca.if_else(is_number(limit), limit, 0), least), widest)
 

@@ -1,4 +1,6 @@
-"""Guard numbers that the scenario violates: stated against its own, believed against the robot."""
+"""Guard numbers that the scenario violates: stated bounds too small, or a robot unlike the believed
+one.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -36,7 +38,7 @@ class Contradiction:
 
 
 def contradictions(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
-    """Yield each bound that is stated and violated; ``bound`` is the effects' sum.
+    """Each bound that is stated and violated; ``bound`` is the effects' sum.
 
     Bounds that are not stated are derived from the scenario and cannot contradict it.
     """
@@ -83,7 +85,7 @@ def _sensor(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
 
 
 def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
-    """Delays and time constants of the scenario that the stated ones do not cover.
+    """Objections to delays and time constants that the stated ones do not cover.
 
     A constant is covered by any larger constant, a varying one only by its range.
     """
@@ -107,7 +109,7 @@ def _drives(scenario: Scenario, bound: Bound) -> Iterator[Contradiction]:
 
 
 def _friction(scenario: Scenario) -> Iterator[Contradiction]:
-    """Claimed friction that exceeds the friction in the laws' model."""
+    """Objections to claimed friction that exceeds the friction in the laws' model."""
     believed = _sure_friction(scenario, scenario.believed)
     for i in AXES:
         if scenario.guard.f_min[i] > believed[i] * (1 + ROUNDING):
@@ -115,7 +117,7 @@ def _friction(scenario: Scenario) -> Iterator[Contradiction]:
 
 
 def beyond_belief(scenario: Scenario, guard: GuardNumbers, bound: Bound) -> Iterator[Contradiction]:
-    """Yield differences of the true robot, or a change of it, from the guard's numbers.
+    """Differences of the true robot, also after its changes, from the guard's numbers.
 
     Laws and guard receive the believed numbers (model.*, guard.*), so this is an ordinary
     experiment: it is run, without a guarantee.

@@ -1,29 +1,30 @@
 """The guard with late velocities or slow drives: commands in transit cannot be recalled.
 
-A command that is computed now acts only after the delay.  Until then the earlier commands act, and
-if the measured velocity is old they have acted since it.  By the time the new command takes effect,
-v can have risen, and -v can have risen, by at most
+A command that is computed now acts only after the delay.  Until then the earlier commands act; if
+the measured velocity is old, they have acted since its time.  By the time the new command takes
+effect, v and -v can have risen by at most
 
     ahead = sum tau_j max(F_j + net, 0)/M_min,      back = sum tau_j max(net - F_j, 0)/M_min,
 
-with net = dbar - f_min and the times tau_j that `lateness` gives; behind a constant delay the j-th
-command acts for tau_j from now on.  The guard counts that as speed: the limit is kept by what
+with net = dbar - f_min and the times tau_j of `lateness`; behind a constant delay the j-th command
+acts for tau_j from now on.  The guard adds this to the speed: the room up to the limit is
+calculated with
 
-    reached = max(max(y + nbar, f_speed) + ahead, f_speed + ahead counted from the oldest instant)
+    reached = max(max(y + nbar, f_speed) + ahead, f_speed + ahead from the oldest instant).
 
-leaves.  The second part matters only for averaged velocities: friction may have stopped the robot
-within the window. With a jitter J of the delay, the last command may act for J more.
+The second part matters only for averaged velocities: friction may have stopped the robot within the
+window.  With a jitter J of the delay, the last command may act for J more.
 
 So that the room ahead and the room behind never run out together, no command may be larger than
 
     largest = (M_min (v_u1 - f_speed) - max(brake + net, 0)/alpha)/delay - net,
 
-and, with jitter, than M_min (v_u1 - 2 nbar)/mixed - net.  ``delay`` is all that counts (see
-`Counting`).  A braking command is not counted in favour.
+and, with jitter, than M_min (v_u1 - 2 nbar)/mixed - net.  ``delay`` here is the longest time that
+matters (see `Counting`).  A braking command gets no credit.
 
-Behind drives whose time constant varies the push that is felt is at most Z of `varying`, so v+
-rises by at most the integral of Z over M_min; what is in flight when the new command takes over
-ends up, for any time constants to come, in at most b Z more.
+If the drives' time constant varies, the push that acts is at most Z of `varying`, so v+ rises by at
+most the integral of Z over M_min.  The commands in transit when the new one takes over add at most
+b Z in the end, for any later time constants.
 """
 
 from __future__ import annotations
@@ -56,8 +57,8 @@ Both = tuple[ca.SX, ca.SX]
 class Lagging:
     """Z [N or N m] at the earliest (``now``) and the latest start of the new command.
 
-    A command of larger p than Z counts for ``rise`` [s] more of the difference than for the time T
-    that it acts, for ``rise_late`` more than for T + J.
+    If a command's p exceeds Z, the difference counts for ``rise`` [s] beyond the time T that the
+    command acts, and for ``rise_late`` [s] beyond T + J.
     """
 
     now: Both
@@ -85,8 +86,8 @@ class Lagging:
 class InFlight:
     """Largest change of v (ahead) and -v (back) by an axis' commands in transit [m/s or rad/s].
 
-    ``since_rest``: counted from the window's oldest time; ``again``: the last command's share if
-    the new one comes as late as possible; ``slow``: the push that acts behind a varying lag.  None
+    ``since_rest``: counted from the window's oldest time.  ``again``: the last command's share if
+    the new one comes as late as possible.  ``slow``: the push that acts behind a varying lag.  None
     if it makes no difference.
     """
 
@@ -107,7 +108,9 @@ class InFlight:
         return InFlight(self.back, self.ahead, rest, again, self.slow and self.slow.mirrored)
 
     def reached(self, fastest: ca.SX, b: Bounds) -> ca.SX:
-        """Largest v+ at the earliest start of the new command, from the measured ``fastest``."""
+        """Largest v+ at the earliest start of the new command, from ``fastest``, the largest
+        measured speed.
+        """
         measured = fastest + self.ahead
         if self.since_rest is None:
             return measured
@@ -221,9 +224,7 @@ class Followed:
 def follow(
     start: ca.SX, forces: Sequence[ca.SX], pieces: Sequence[Passage], axis: int, b: Bounds, way: int
 ) -> Followed:
-    """Propagate the push from ``start`` through the pieces; ``forces`` (2,), the latest first;
-    ``way`` is 1 or -1.
-    """
+    """Z after each piece, from ``start``; ``forces`` (2,), the latest first; ``way`` is 1 or -1."""
     mean, rest, z = ca.SX(0), ca.SX(0), start
     for item in pieces:
         p = push([forces[j - 1][axis] for j in item.which], b, way)
@@ -251,7 +252,9 @@ def integral(z: ca.SX, p: ca.SX, weights: tuple[Number, Number, Number]) -> ca.S
 
 
 def waiting(z: ca.SX, p: ca.SX, time: Number, rise: Number) -> ca.SX:
-    """Impulse of a push p in a time, in Z's integral and b times its end [N s or N m s]."""
+    """Impulse of a push p during a time, as the integral of Z and as b times its end [N s or N m
+    s].
+    """
     return time * p + rise * ca.fmax(p - z, 0)
 
 

@@ -1,9 +1,9 @@
 """The velocity guard: the smallest change of a law's force that keeps |v| <= v_u1 at every instant.
 
 Source: a control barrier function for h = v_u1 -+ v in the worst case over mass, friction and
-disturbance, valid for a force that is held over the whole control period; the theorem with its
-proof is in docs/explanation/guarantee.md.  It is no part of the paper.  Per axis, with the measured
-velocity y:
+disturbance, valid for a force that is held over the whole control period.  The theorem with its
+proof is in docs/explanation/guarantee.md.  The guard is not part of the paper.  Per axis, with the
+measured velocity y:
 
     room(y) = v_u1 - max(y + nbar, f_speed),        net = dbar - f_min
     hi(y)   = max(slope room(y) - net, -brake),     slope = M_min alpha inside, M_max/T outside
@@ -12,15 +12,15 @@ velocity y:
 With late velocities or drives the room shrinks by the effect of commands in transit (see
 `guard.delay`).
 
-No logarithm, no model of the friction, nothing that the law knows.  Choose it whenever the limit
-has to hold; its price is the speed that the bounds cost (see `usable_speed`).
+The guard contains no logarithm, no model of the friction, and no knowledge of the law.  Choose it
+whenever the limit has to hold; its price is the speed that the bounds cost (see `usable_speed`).
 
-Behind it a map turns the force into wheel torques within |tau| <= tau_max.  The wheels can give
-|F| + |N|/l <= phi = 2 tau_max/r.  Clipping each torque by itself changes F and N at once; behind a
-guard it can turn a braking force into a driving one.  The maps reduce one axis after the other,
-towards the safe point: the force of least effort inside the guard's box, zero without a guard.
-Where the safe point is within reach, each map's result lies between the safe point and what was
-asked, so it stays in the box.
+Behind it a map turns the force into wheel torques within |tau| <= tau_max.  The wheels can exert
+|F| + |N|/l <= phi = 2 tau_max/r.  Clipping each torque separately would change both F and N, and
+could turn a braking force into a driving one.  The maps reduce one axis after the other, towards
+the safe point: the force of least effort inside the guard's box, or zero without a guard.  If the
+safe point is within reach, each map's result lies between the safe point and the requested force,
+so it stays in the box.
 """
 
 from collections.abc import Sequence
@@ -45,10 +45,9 @@ NUMBERS = ("M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_min", "f_speed
 class Bounds:
     """Symbols (or numbers) of one axis in the guard's formula; SI units as in Guard.
 
-    ``u1``: limit of the velocity, ``back`` that of its negative, None for the same.
-    ``delay`` [s] is all that may count of what was sent, ``mixed`` [s] that of pieces in which one
-    of two commands acts, ``jitter`` [s] by how much a delay varies: what the graph was built for,
-    None where there is no such thing.
+    ``u1``: limit of the velocity.  ``back``: that of its negative, None if equal.  The times [s]
+    are those for which the graph was built, None if absent: ``delay``, for which sent commands may
+    matter; ``mixed``, in which one of two commands acts; ``jitter``, by which a delay varies.
     """
 
     u1: ca.SX
@@ -68,9 +67,9 @@ class Bounds:
 
     @property
     def narrow(self) -> ca.SX:
-        """The smaller limit of both ways, by which braking and late commands are capped.
+        """The smaller limit of both directions, which caps braking and late commands.
 
-        So a brake of one way never passes the limit of the other.
+        So braking in one direction never passes the other direction's limit.
         """
         return self.u1 if self.back is None else ca.fmin(self.u1, self.back)
 
@@ -86,7 +85,7 @@ class Bounds:
 
     @property
     def cap(self) -> ca.SX:
-        """Most that it may brake with; without delay also what hi is at rest."""
+        """Largest braking force allowed by the limit; without delay also hi at rest."""
         reach = self.M_min * self.alpha * (self.narrow - self.f_speed)
         reach = reach if self.delay is None else reach / (1 + self.alpha * self.delay)
         if self.mixed is not None:
@@ -153,7 +152,7 @@ def ceiling(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
 
 
 def floor(y: ca.SX, b: Bounds, coming: InFlight | None = None) -> ca.SX:
-    """lo(y) of one axis [N or N m]: smallest force that is safe."""
+    """lo(y) of one axis [N or N m]: smallest safe force."""
     return -ceiling(-y, b.mirrored, None if coming is None else coming.mirrored)
 
 
@@ -206,7 +205,7 @@ def guarded(
 def possible(both: Bounds, phi: ca.SX, half_track: ca.SX, built_for: Sequence[ca.SX] = ()) -> ca.SX:
     """1 if both axes' bounds can be met, also by the wheels (``phi`` = 2 tau_max/r [N]).
 
-    0 also if the drives violate the conditions ``built_for`` of the graph's parameters.
+    0 also if the drives violate the conditions ``built_for`` on the graph's parameters.
     """
     axes = ca.logic_and(feasible(both.axis(0)), feasible(both.axis(1)))
     return reduce(ca.logic_and, [axes, within_reach(both, phi, half_track), *built_for])

@@ -1,17 +1,17 @@
 """Weights of past commands if velocities are measured late or drives are slow.
 
 Per axis, times in control periods.  The velocity is the mean over a window that ended ``age`` ago,
-L = age + window; a command takes over between lo and hi after it was given; drives follow with one
-time constant of at most b (one that varies: see `varying`).  With sigma the age of a velocity,
-uniform on [age, L], a force of age s counts in what v may have gained since by
+L = age + window.  A command takes over between lo and hi after it was sent.  Drives follow with one
+time constant of at most b (for one that varies see `varying`).  With sigma the age of a velocity,
+uniform on [age, L], a force of age s has the following weight in what v may have gained since:
 
-    P(s) = E min(1, exp(-(s - sigma)/b))       (mean),   the same for sigma = L       (rest),
+    P(s) = E min(1, exp(-(s - sigma)/b))       (mean),   and with sigma = L       (rest).
 
-so a piece of time counts by the integral of P, future time (s < 0) in full.  The integrals are
-taken in closed form with 50 digits, once, and rounded to floats.
+A piece of time has the integral of P as its weight; future time (s < 0) counts in full.  The
+integrals are taken in closed form with 50 digits, once, and rounded to floats.
 
-Command j, sent j periods ago, is sure to act in one piece of time; in the piece before the next one
-is sure, either of the two may act.
+Command j, sent j periods ago, is sure to act in one piece of time.  In the piece before the next
+command is sure, either of the two may act.
 """
 
 import math
@@ -51,11 +51,11 @@ class Tail:
 class Counting:
     """Command weights of one axis, in periods; see the module's docstring.
 
-    ``mean`` and ``rest``: pieces up to when the new command may first take over; ``jitter`` J = hi
-    - lo; ``lag`` b; ``oldest`` L; ``most`` = L + hi + b, the longest time that matters, ``usual``
-    that for the mean; ``mixed`` the mean's weight of pieces with two commands, ``commands`` how
-    many are listed. Behind a lag that varies there are no pieces but those of ``varying``, and all
-    is mixed.
+    ``mean`` and ``rest``: pieces up to when the new command may first take over.  ``jitter``: J =
+    hi - lo.  ``lag``: b.  ``oldest``: L. ``most``: L + hi + b, the longest time that matters;
+    ``usual``: that for the mean.  ``mixed``: the mean's weight of pieces with two commands.
+    ``commands``: how many are listed.  If the lag varies, all pieces are in ``varying``, and all of
+    their weight is mixed.
     """
 
     mean: tuple[Piece, ...]
@@ -96,7 +96,7 @@ AT_ONCE = Counting((), (), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
 class Since:
     """Command weights in a velocity's change since the previous sample, in periods.
 
-    ``mean`` for a robot that moved throughout, ``rest`` for one that rested within the window, with
+    ``mean`` for a robot that moved throughout, ``rest`` for one that rested within the window; and
     the times for which a push acts.
     """
 

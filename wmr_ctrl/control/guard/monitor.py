@@ -2,18 +2,19 @@
 
 It runs after every law, with the guard on or off, and changes no torque.
 
-While v > 0 at both ends of a sample, friction can only slow the robot, so with every mass in
+While v > 0 at both ends of a sample, friction can only slow the robot.  So with every mass in
 [M_min, M_max] and velocities known to +-nbar the mean disturbance was at least
 
     d_least = min over M of M (v_k - v_(k-1) - 2 nbar)/T  -  F,         F the force applied,
 
 mirrored for v < 0, and 0 if nothing can be concluded (rest, a change of direction, the first
-sample). A d_least above dbar proves that one of the guard's assumptions does not hold; below it, no
-assumption is refuted. Slower motion than expected never counts: friction of any size explains it.
+sample).  A d_least above dbar proves that one of the guard's assumptions does not hold; below it,
+no assumption is refuted.  Slower motion than expected never counts: friction of any size explains
+it.
 
-Where velocities are late or averaged, or only bounds of the acting force are known, `LateMotion`
-replaces the formula above: motion that the possible forces cannot explain, with the guard's
-weights, without disturbance.
+If velocities are late or averaged, or only bounds of the acting force are known, `LateMotion`
+replaces the formula above.  It finds motion that the possible forces, with the guard's weights and
+without disturbance, cannot explain.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class GuardMonitor:
     ) -> None:
         """Monitor ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m].
 
-        ``flags``: clip_active (2,) and feasible, from the guard or its substitute. ``late`` if the
+        ``flags``: clip_active (2,) and feasible, from the guard or its substitute.  ``late``: the
         torque that was applied does not belong to the velocities.
         """
         old, started = port(OLD_VELOCITY), port(SAMPLES if late else STARTED)

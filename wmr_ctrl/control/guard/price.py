@@ -14,9 +14,9 @@ from .bounds import AXES, GuardNumbers, Pair, mass_range, net, pair_of, slope
 class SpeedPrice:
     """Speeds of both axes [m/s, rad/s], for the largest friction of the run.
 
-    Each of the way, forwards or backwards, in which the reference asks for more of what is usable.
-    ``usable``: largest steady ones that the guard admits; ``unbeatable``: no guard can admit more;
-    ``asked``: the largest of the reference.
+    Each is for the direction, forwards or backwards, in which the reference needs the larger share
+    of the usable speed.  ``usable``: largest steady speeds that the guard admits.  ``unbeatable``:
+    no guard can admit more.  ``asked``: largest speeds of the reference.
     """
 
     usable: Pair
@@ -25,7 +25,7 @@ class SpeedPrice:
 
     @property
     def short(self) -> tuple[bool, bool]:
-        """True, per axis, if the reference is faster than is usable."""
+        """True, per axis, if the reference is faster than the usable speed."""
         return self.asked[0] > self.usable[0], self.asked[1] > self.usable[1]
 
 
@@ -52,9 +52,10 @@ def usable_speed(
 ) -> Pair:
     """Largest steady speeds that the guard admits against ``friction`` [N, N m], per axis.
 
-    ``limits``: of the ways that are asked about, by default the smaller ones of both.
-    See `usable_formula`.  Negative where the guard would not let the robot move at all, which is
-    also where the same with the whole window is above v_u1 - f_speed, the measured speed left out.
+    ``limits``: of the directions in question, by default the smaller one of both.  See
+    `usable_formula`.  The speed is negative if the guard would not let the robot move at all.  That
+    is also so if the effect of the whole window, without the measured speed, exceeds v_u1 -
+    f_speed.
     """
     most = limits or scenario.limits.smaller
     first, second = (_usable(scenario, guard, friction[i], i, most[i]) for i in AXES)
@@ -80,10 +81,10 @@ def _usable(scenario: Scenario, guard: GuardNumbers, friction: float, i: int, u1
 def unbeatable_speed(
     scenario: Scenario, guard: GuardNumbers, friction: Pair, limits: Pair | None = None
 ) -> Pair:
-    """No guard can admit larger steady speeds; arguments as in `usable_speed`.
+    """Steady speeds that no guard can exceed; arguments as in `usable_speed`.
 
-    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M: the friction that a steady force
-    overcomes may vanish and the push begin just after a sample's velocity was measured, and that
+    v_u1 - nbar - (friction + dbar - f_min) (T + age + delay)/M. The friction that a steady force
+    overcomes may vanish, and the push begin, just after a sample's velocity was measured.  That
     sample's command acts until T + delay after it.
     """
     most = limits or scenario.limits.smaller
@@ -101,7 +102,7 @@ def unbeatable_speed(
 def early_speed(guard: GuardNumbers) -> Pair:
     """Speed that a push can add before the first command acts (behind a lag: has acted).
 
-    (delay + lag) (dbar - f_min)/M [m/s, rad/s], M the smallest mass or inertia.
+    (delay + lag) (dbar - f_min)/M [m/s, rad/s], with M the smallest mass or inertia.
     """
     time = guard.latest + guard.slowest
     first, second = (time * max(net(guard, i), 0.0) / mass_range(guard, i)[0] for i in AXES)
@@ -112,8 +113,8 @@ def torque_swing(robot: Robot, guard: GuardNumbers, axis: int) -> float:
     """Swing of a wheel's torque [N m] that errors of the measured velocity cause at the limit.
 
     The guard's ceiling falls by M_min alpha for each m/s of measured velocity.  Errors of -nbar to
-    nbar move it, and the velocity that they cause moves it as much again: together by up to
-    4 nbar M_min alpha, the sum of the response's absolute values being 2 for alpha T <= 1.
+    nbar move it, and the velocity that they cause moves it by the same amount again: in total by up
+    to 4 nbar M_min alpha.  The sum of the response's absolute values is 2 for alpha T <= 1.
     """
     arm = robot.r / 2 if axis == 0 else robot.r / (2 * robot.l)
     return 4 * pair_of(guard.nbar)[axis] * slope(guard, axis) * arm

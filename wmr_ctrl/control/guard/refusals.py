@@ -1,4 +1,4 @@
-"""Refusal of limits that no guard, or not this one, can meet: inequality, numbers, remedy."""
+"""Refusals of limits that no guard, or not this guard, can keep: inequality, numbers, remedy."""
 
 import math
 from collections.abc import Callable
@@ -76,7 +76,7 @@ def _check_times(scenario: Scenario, guard: GuardNumbers) -> None:
 
 
 def _check_changing(scenario: Scenario, guard: GuardNumbers) -> None:
-    """Refuse limits that change where velocities or commands are late."""
+    """Refuse changing limits if velocities or commands are late."""
     late = not all(times.at_once for times in guard.lateness(scenario.clock))
     if guard.changing and late:
         raise ScenarioError(
@@ -117,12 +117,12 @@ def _check_noise(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
 
 
 def _letter(key: str) -> str:
-    """A limit in an inequality: v_u1, v_max or |v_min|."""
+    """Symbol of a limit in an inequality: v_u1, v_max or |v_min|."""
     return key[len("limits.") : -len("[1]")].replace("v_min", "|v_min|")
 
 
 def _refuse_none_that_way(scenario: Scenario, guard: GuardNumbers, i: int) -> None:
-    """Refuse a limit of 0: a push or an error moves the robot that way before the guard knows."""
+    """Refuse a limit of 0: a push or an error would move the robot before the guard can react."""
     key, _ = scenario.limits.narrow(i)
     time = 1 / float(guard.alpha or 0.0) + lateness_time(scenario, guard, i)
     need = guard.f_speed[i] + 2 * max(net(guard, i), 0.0) * time / mass_range(guard, i)[0]
@@ -161,7 +161,9 @@ def _check_push(
 
 
 def _lower(scenario: Scenario, bound: Bound, name: str, i: int, most: float) -> str:
-    """Remedy by dbar or nbar: the key if it is stated and may be ``most``, else its cause."""
+    """Remedy by dbar or nbar: the key, if it is stated, with its largest value ``most``; else its
+    cause.
+    """
     stated, true, causes, unit = {
         "dbar": (
             scenario.guard.dbar,
@@ -180,10 +182,10 @@ def _lower(scenario: Scenario, bound: Bound, name: str, i: int, most: float) -> 
 def _heavier(
     scenario: Scenario, guard: GuardNumbers, bound: Bound, bound_of: BoundOf, i: int, share: float
 ) -> str:
-    """Remedy by mass: the key's new value if that is true of the robot, else another robot.
+    """Remedy by mass: the key's new value, if that is true of the robot; else another robot.
 
-    ``share``: mass or inertia needed per N or N m of 2 (dbar - f_min).  Empty if a heavier robot is
-    pushed harder and none is found.
+    ``share``: mass or inertia needed per N or N m of 2 (dbar - f_min).  Empty if pushes grow with
+    the mass and no mass is found.
     """
     unit, least = MASS_UNITS[i], _above(2.0 * net(guard, i) * share)
     if min(mass for _, mass in masses(scenario, i)) - bound.mass[i] < least:
@@ -273,7 +275,7 @@ def _check_brake(
     robot, brake = scenario.robot, pair_of(guard.brake)
 
     def pushed(limit: float) -> float:
-        """Push on the wheels [N] for another torque limit, which effects may depend on.
+        """Push on the wheels [N] under another torque limit, which effects may depend on.
 
         inf if the guard would then be refused for another reason.
         """
@@ -347,7 +349,7 @@ def _enough(needed: Callable[[float], float], least: float, r: float) -> float |
 
 
 def _told_apart(larger: float, smaller: float) -> tuple[str, str]:
-    """Two different numbers as texts, with at least six digits and enough to differ."""
+    """Two different numbers as texts with as many digits as they need to differ, at least six."""
     texts = ((f"{larger:.{n}g}", f"{smaller:.{n}g}") for n in range(6, 18))
     return next(pair for pair in texts if pair[0] != pair[1])
 

@@ -1,12 +1,12 @@
 """Weights of commands behind a lag whose time constant varies, piece by piece.
 
-Per axis and direction, with p = max(F + net, 0) of the acting command F: behind drives whose time
-constant tau lies in [a, b] and varies arbitrarily, the push that acts is at most Z,
+Per axis and direction, with p = max(F + net, 0) of the acting command F. Behind drives whose time
+constant tau lies in [a, b] and varies arbitrarily, the push that acts is at most Z:
 
     tau Z' = p - Z    rises soonest with a and falls latest with b.
 
-So Z is followed through the pieces of time in which one command, or either of two, may act: with
-the larger p of a piece, by a where it rises and by b where it falls.  In a piece from Z0 on,
+So Z is propagated through the pieces of time in which one command, or either of two, may act.  It
+uses the larger p of a piece, a where Z rises and b where Z falls.  In a piece from Z0 on,
 
     Z = p + max(Z0 - p, 0) exp(-t/b) - max(p - Z0, 0) exp(-t/a),
 
@@ -29,7 +29,7 @@ Integral = Callable[[Fraction, Fraction, Fraction | None], Decimal]
 class Passage:
     """A piece of time: the commands that may act, and the evolution of Z in it.
 
-    ``stays``: remaining share of a difference that falls, and of one that rises; weights for mean
+    ``stays``: remaining share of a falling and of a rising difference.  The weights are for mean
     and rest (see `lateness`).
     """
 
@@ -43,10 +43,10 @@ class Passage:
 class Varying:
     """Numbers of one axis [periods].
 
-    ``pieces`` from the oldest listed command to the earliest start of the new one; ``entering``:
-    pieces up to where they begin one sample later.  ``longest`` b; ``rises`` (b - a)(1 - exp(-t/a))
-    for t = J, T and T + J, the effect of a command larger than Z beyond its own time; ``stays`` in
-    J.
+    ``pieces``: from the oldest listed command to the earliest start of the new one.  ``entering``:
+    pieces of the command that leaves the list at the next sample.  ``longest``: b.  ``rises``: (b -
+    a)(1 - exp(-t/a)) for t = J, T and T + J, the effect of a command larger than Z beyond its own
+    time.  ``stays``: remaining share in J.
     """
 
     pieces: tuple[Passage, ...]
@@ -99,7 +99,7 @@ def ramp(age: Fraction, window: Fraction) -> Integral:
 
 
 def less(first: Integral, second: Integral) -> Integral:
-    """Integral with the difference of two weights."""
+    """Integral whose weight is the difference of two weights."""
     return lambda begin, end, tau: first(begin, end, tau) - second(begin, end, tau)
 
 
@@ -124,7 +124,7 @@ def _staying(time: Fraction, span: tuple[Fraction, Fraction]) -> tuple[float, fl
 
 
 def _exp(time: Fraction, tau: Fraction) -> Decimal:
-    """exp(-time/tau), 0 for tau = 0 after any time."""
+    """exp(-time/tau); 0 if tau = 0."""
     if tau == 0:
         return Decimal(int(time == 0))
     return number(-time / tau).exp()

@@ -56,8 +56,8 @@ class LawContext:
     def __init__(self, setup: LawNumbers, in_flight: int | None = None) -> None:
         """Fresh symbols for a law's gains on a scenario.
 
-        ``in_flight``: commands that the law predicts over; those of the scenario's clock unless
-        given.
+        ``in_flight``: number of commands that the law predicts over, by default that of the
+        scenario's clock.
         """
         self.law, self.scenario, self.gains = setup.name, setup.scenario, setup.gains
         self.inputs: tuple[Port, ...] = (*ports(REFERENCE), *ports(POSE), *ports(VELOCITY))
@@ -172,7 +172,7 @@ class LawContext:
         """The law's System: state and next state, generalised force (N, N m), further diagnostics.
 
         ``further_inputs`` may hold tau_applied, tau_sent and v_sent_before, which `controller`
-        supplies.  With ``asked`` = ASKED the output is a velocity (m/s, rad/s), no force.
+        supplies.  With ``asked`` = ASKED the output is a velocity (m/s, rad/s) instead of a force.
         """
         every = (*self.diagnostics(), *diagnostics)  # before the parameters that it takes
         return System(

@@ -6,9 +6,9 @@ mobile robot (ICRA 1990), above a velocity loop (`velocity_loop`):
     wanted   = (v1_d cos e3 + kx e1,  v2_d + v1_d (ky e2 + kt sin e3))
 
 Differences from the paper: not in it, and not Eq. (7), whose angular gain does not fade with v1_d.
-No barrier and no theorem: it cuts the command a margin below the limit, and whatever overshoots
-the command overshoots the margin.
-Choose it to have something plain and good to compare with, or behind the guard.
+No barrier and no theorem: it limits the command to a margin below the limit, and a robot that
+overshoots the command may use up the margin.  Choose it as a plain and good law to compare with, or
+behind the guard.
 """
 
 from collections.abc import Mapping

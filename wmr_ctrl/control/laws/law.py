@@ -44,9 +44,9 @@ class Traits:
 class Inside:
     """A law's System away from all its limits, and the conditions for that.
 
-    ``within``: by name an expression (2,) in the System's symbols and the size (2,) that it must
-    not exceed on either axis for the law to equal this System.  ``from_measured`` names those that
-    a first sample evaluates from the measured velocity, and later ones from the law's memory.
+    ``within``: for each name an expression (2,) in the System's symbols and its largest size (2,)
+    on either axis for which the law equals this System.  ``from_measured`` names the conditions
+    that a first sample evaluates from the measured velocity, and later ones from the law's memory.
     """
 
     system: System
@@ -92,12 +92,12 @@ def no_rule(_: Basis) -> Mapping[str, object]:
 class Law:
     """A control law: name, gains, graph, traits and its file's docstring.
 
-    ``build(context)`` gives its System, whose output is the generalised force (N, N m). ``tuned``
-    names those of its gains that a search may change, all positive. ``command(context)``, if given,
-    is the law for a base that takes velocities, whose output is the velocity `ASKED`; a law without
-    it drives such a base through an adapter (`control/velocity.py`). ``inside(context)`` is the law
-    away from its limits, for those that have a corridor. ``rule(basis)`` gives the gains that
-    depend on the robot, if a scenario does not state them.
+    ``build(context)`` gives its System, whose output is the generalised force (N, N m).  ``tuned``
+    names the gains that a search may change, all positive.  ``command(context)``, if given, is the
+    law for a base that takes velocities, whose output is the velocity `ASKED`; other laws drive
+    such a base through an adapter (`control/velocity.py`).  ``inside(context)`` is the law away
+    from its limits, for laws that have a corridor.  ``rule(basis)`` gives the gains that depend on
+    the robot, if a scenario does not state them.
     """
 
     name: str

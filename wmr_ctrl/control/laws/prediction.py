@@ -1,8 +1,8 @@
 """Prediction to the time when a command acts, for drives with a delay.
 
-Source: the usual predictor of a delayed input, here with what the law believes.  What is computed
-at a sample acts one delay later; until then the commands F_j act that are under way, the one sent j
-periods ago for
+Source: the usual predictor of a delayed input, with the law's own model.  A command that is
+computed at a sample acts one delay later.  Until then the commands F_j in transit act; the one sent
+j periods ago acts for
 
     tau_j = max(delay - (j-1) T, 0) - max(delay - j T, 0),    together the delay.
 
@@ -11,11 +11,11 @@ From the oldest on, with the believed mass M and friction F1, and the observer's
     u  = v + tau_j (F_j - f)/M,     v+ = u - cut(tau_j F1(u)/M, |u|)
     q+ = q + tau_j H(theta + tau_j omega'/2) v',                   v' = (v + v+)/2
 
-so friction stops, and never turns round; the reference is carried on in the same way by its v_d'.
-The law is then asked about that instant: to it the drives seem to act at once. Noise until then
-remains unknown. The stated delay must not exceed the true one: a law that predicts with commands
-that have already acted oscillates. The guard's rule is the reverse, so this is a separate field,
-``delay`` of the law's gains.
+so friction stops the robot and never reverses it.  The reference is extrapolated in the same way by
+its v_d'. The law is evaluated for that later instant, as if the drives had no delay.  Noise until
+then remains unknown.  The stated delay must not exceed the true one: a law that predicts with
+commands that have already acted oscillates.  The guard's rule is the reverse, so this is a separate
+field, ``delay`` of the law's gains.
 """
 
 import casadi as ca
@@ -31,7 +31,7 @@ from .context import LawContext
 def ahead(context: LawContext, made_up: ca.SX) -> tuple[LawContext, tuple[Port, ...]]:
     """The sample one delay later, and the inputs that hold the commands in transit.
 
-    ``made_up`` (2,) [N, N m] is the observer's force f.  Without delay the sample itself.
+    ``made_up`` (2,) [N, N m] is the observer's force f.  Without delay it is the sample itself.
     """
     if not context.in_flight:
         return context, ()
@@ -55,7 +55,9 @@ def acts_for(age: int, delay: ca.SX, period: ca.SX) -> ca.SX:
 
 
 def pushed(context: LawContext, v: ca.SX, force: ca.SX, time: ca.SX) -> ca.SX:
-    """v+ (2,) after a ``force`` (2,) [N, N m] that is held for ``time`` [s], friction in it."""
+    """v+ (2,) after a ``force`` (2,) [N, N m] that is held for ``time`` [s], reduced by
+    friction.
+    """
     free = v + time * force / context.mass
     return slowed(free, time * context.friction_at(free) / context.mass)
 
@@ -67,6 +69,6 @@ def slowed(free: ca.SX, taken: ca.SX) -> ca.SX:
 
 
 def carried(pose: ca.SX, v: ca.SX, after: ca.SX, time: ca.SX) -> ca.SX:
-    """Pose (3,) after ``time`` [s] in which the velocity (2,) changed from v to ``after``."""
+    """Pose (3,) after ``time`` [s] in which the velocity (2,) changes from v to ``after``."""
     mean = v / 2 + after / 2
     return pose + time * pose_rate(pose[2] + time * mean[1] / 2, mean)

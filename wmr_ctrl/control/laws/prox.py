@@ -13,14 +13,13 @@ the target, and with S = sqrt(2 V1), w = v - v_c1:
 
     S(v+; c+) <= E (S(v; c) + |c+ - c_m|),    |w+| <= E (|w| + |c+ - c_m|),    |v+| < v_u1
 
-transport = "two-part" takes for c_m what the reference's own acceleration makes of c, so that the
-way of the target which the robot's motion causes is not fed forward: it would count twice, and ask
-for much torque.  transport = "level" takes c_m = c+, so that V1 falls by exp(-rho T) in a sample.
-The observer (wo = 0 switches it off) makes up for friction and mass that differ from the model.
-With delay > 0 all of this is about the instant at which the command acts (see `prediction`).
-The first samples ask for much torque, so the law brings a limit of its own, tau_max, which counts
-where it is below actuator.tau_max.  Choose it for slow control periods, for unknown friction, and
-behind the guard.
+transport = "two-part": c_m is c moved by the reference's own acceleration.  The part of the
+target's motion that the robot causes is not fed forward, since it would count twice and need much
+torque. transport = "level": c_m = c+, so that V1 falls by exp(-rho T) in a sample.  The observer
+(wo = 0 switches it off) compensates friction and mass that differ from the model.  With delay > 0
+all of this is about the instant at which the command acts (see `prediction`).  The first samples
+need much torque, so the law has its own limit, tau_max, which applies if it is below
+actuator.tau_max.  Choose it for slow control periods, for unknown friction, and behind the guard.
 """
 
 from collections.abc import Callable, Mapping
@@ -79,10 +78,10 @@ class Guide:
 def guide(period: float, delay: float, speed: float, predicted: bool = False) -> Guide:
     """Gains for the two-part law at a control period and a drive delay [s], for a reference speed.
 
-    ``speed`` is v1_d [m/s]; ``predicted``: the law's own delay is that of the drives.  Real poles
-    p1 along the path, p2 twice across it, and the same in the velocity loop below each; stable for
-    a mass of 0.6 to 1.6 times the believed one, which the tests try.  Above 16.8 and 5.6 1/s a far
-    start spins.  ValueError unless period, speed > 0 and delay >= 0.
+    ``speed`` is v1_d [m/s]; ``predicted``: the law's own delay equals that of the drives.  Poles
+    are real: p1 along the path, p2 twice across it, and the same in the velocity loop below each.
+    The loop is stable for a mass of 0.6 to 1.6 times the believed one, which the tests try.  Above
+    16.8 and 5.6 1/s a far start spins.  ValueError unless period, speed > 0 and delay >= 0.
     """
     if not (period > 0 and speed > 0 and delay >= 0):
         raise ValueError(
@@ -161,14 +160,16 @@ def prox_step(
     limits: tuple[ca.SX, ca.SX],
     smooth: bool,
 ) -> ca.SX:
-    """v+ = X_(1-E)(E v* + (1-E) c+) on ``way`` (c, c_m, c+), for (E, 1-E) and limits (u1, u2)."""
+    """v+ = X_(1-E)(E v* + (1-E) c+) for targets ``way`` (c, c_m, c+), shares (E, 1-E) and limits
+    (u1, u2).
+    """
     c, followed, target = way
     carried = transported(v, c, followed, limits, smooth)
     return resolvent(mixture(carried, target, shares), shares[1], *limits, smooth)
 
 
 def carried_plainly(v: ca.SX, c: ca.SX, followed: ca.SX) -> ca.SX:
-    """v* below v_u2: v moved as far as the target moves from c to c_m."""
+    """v* below v_u2: v, moved by the same amount as the target from c to c_m."""
     return v + (followed - c)
 
 

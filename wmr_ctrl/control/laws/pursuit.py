@@ -1,20 +1,20 @@
 """Regulated pure pursuit: an arc to a point ahead of the reference, slower in tight turns.
 
 Source: Macenski, Singh, Martin and Gines, Regulated pure pursuit for robot path tracking (2023),
-above a velocity loop (`velocity_loop`).  With c = (ahead, left) [m] the point that lies L along the
-arc on which the reference is, seen from the robot,
+above a velocity loop (`velocity_loop`).  With c = (ahead, left) [m] the point at the distance L
+along the reference's present arc, relative to the robot,
 
     L        = cut(lookahead v1_d, distance),      kappa = 2 c_left/|c|^2
     pace     = max(v1_d + k e1, 0)
     v        = min(pace, max(pace min(1, 1/(|kappa| radius)), slowest))
     wanted   = eta (v, kappa v),   eta <= 1: both within share v_u1, on the same arc
-    wanted   = (0, +-turn)   where c is farther than turn_from from where the robot looks
+    wanted   = (0, +-turn)   if the direction of c is more than turn_from off the heading
 
-Differences from the paper: not in it.  From the source: the point runs ahead of the reference,
-which has a time, where the source looks for it on a path; k e1 keeps pace with that time (k = 0: it
-does not).  Its obstacle and goal heuristics are absent, since a scenario has no cost map.  It only
-drives forwards.
-No barrier and no theorem.  Choose it to compare with what most robots with ROS run.
+Differences from the paper: not in it.  Differences from the source: the point runs ahead of the
+reference, which is a function of time, and not of the nearest point of a path; k e1 keeps pace with
+that time (k = 0: it does not).  Its obstacle and goal heuristics are absent, since a scenario has
+no cost map.  It only drives forwards.  No barrier and no theorem.  Choose it to compare with what
+most robots with ROS run.
 """
 
 from collections.abc import Mapping

@@ -1,9 +1,9 @@
 """The registry of control laws: one module per law, named in one tuple.
 
 A law's module has a docstring, a `Section` of gains, ``build(context) -> System`` whose output is
-the generalised force, and ``LAW``, the `Law` of all that.  Other packages add theirs
-through the entry-point group ``wmr_ctrl.laws`` (name = law, value = a `Law`), and users hand over
-a law or its file (`given`).
+the generalised force, and ``LAW``, the `Law` that combines them.  Other packages add theirs through
+the entry-point group ``wmr_ctrl.laws`` (name = law, value = a `Law`), and users give a law or its
+file (`given`).
 """
 
 import re

@@ -6,10 +6,10 @@ Source: as it is commonly built around a kinematic law:
     a        = v_d' + (1 - exp(-rate T))/T (command - v)
     F        = M1 a + F1(v + T a) + observer
 
-The first command starts from the measured velocity; the observer (wo = 0 switches it off) makes up
-for friction and mass that differ from the model.  With delay > 0 all of this is about the instant
-at which the command acts (see `prediction`).  A base that takes velocities is sent the command
-itself, which starts from what was sent to it: behind a filter nothing winds up.
+The first command starts from the measured velocity.  The observer (wo = 0 switches it off)
+compensates friction and mass that differ from the model.  With delay > 0 all of this is about the
+instant at which the command acts (see `prediction`).  A base that takes velocities receives the
+command itself.  Its ``last`` is the velocity that was sent, so nothing winds up behind a filter.
 """
 
 from collections.abc import Callable
