@@ -1,15 +1,16 @@
 """Jerk limit in the firmware: it limits how fast the rate of the acting command changes.
 
 Source: motor drivers with S-shaped profiles.  Per axis the rate a of the command y changes by at
-most q = jerk h in a plant step h, and y stops at its goal, which lies ``way`` ahead:
+most q = jerk h in a plant step h.  The rate is limited so that y can stop at its goal, at the
+distance ``way``:
 
     a+ = the largest rate with h (a+ + (a+ - q)^+ + (a+ - 2 q)^+ + ...) <= way, within a -+ q
     y+ = y + h a+
 
-That sum is the remaining distance if a+ is reduced as fast as possible. While y moves towards a
-goal it stays at most the goal, and braking does not change the sum: so for any input y stays
-between the least and the largest of 0 and the commands so far.  If the goal moves, y may continue
-away from it for a while. The rate itself is at most the larger of accel and decel.
+That sum is the distance that y moves if a+ is then reduced as fast as possible.  While y moves
+towards a goal it never passes the goal, and braking does not change the sum.  So for any input y
+stays between the least and the largest of 0 and the commands so far.  If the goal moves, y may
+continue away from it for a while.  The rate itself is at most the larger of accel and decel.
 """
 
 from __future__ import annotations
@@ -55,7 +56,9 @@ def build(scenario: Scenario) -> System:
 
 
 def next_rate(away: ca.SX, rate: ca.SX, h: ca.SX, jerk: ca.SX, most: ca.SX) -> ca.SX:
-    """a+ for a goal ``away`` [m/s]; with infinite ``jerk`` the goal is reached immediately."""
+    """a+ for a goal at the distance ``away`` [m/s]; with infinite ``jerk`` the goal is reached
+    immediately.
+    """
     q, side = ca.fmin(jerk, LARGEST) * h, ca.if_else(away >= 0, 1, -1)
     way, towards = ca.fabs(away), side * rate
     steps = ca.fmax(1, -ca.floor(-(ca.sqrt(1 + 8 * way / (h * q)) - 1) / 2))

@@ -67,7 +67,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The losses; a stop between commands is a hidden effect."""
+    """The number of losses.  A stop between commands is a hidden effect."""
     own, period = scenario.section(CommandLoss), scenario.clock.control
     stops = own.timeout < (own.losses + 1) * period * (1 - ROUNDING)
     sentence = "base.timeout: the base stops before the next command that is not lost."

@@ -1,7 +1,8 @@
 """Acceleration limit in the firmware: the acting command approaches the sent one at a bounded rate.
 
 Source: motor drivers and velocity smoothers.  Away from 0 each axis changes by at most ``accel``,
-towards 0 by at most ``decel``, and stops at 0 before it turns round within a plant step.
+towards 0 by at most ``decel``.  If the sign changes within a plant step, the command stops at 0
+first.
 """
 
 from __future__ import annotations
@@ -81,7 +82,9 @@ def quick_stops(scenario: Scenario) -> str:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Hidden effect: a state that the governor does not model; a ramp never passes its input."""
+    """Hidden effect: a state that the governor does not model.  A ramp never overshoots its
+    input.
+    """
     key = "accel" if min(scenario.section(CommandRamp).accel) < math.inf else "decel"
     return Bound(hidden=f"base.{key}: the base ramps its command.")
 

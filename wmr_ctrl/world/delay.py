@@ -45,7 +45,9 @@ def check(scenario: Scenario) -> None:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The delay itself, known to laws or not: the guard counts every command in transit."""
+    """The delay itself, whether laws know it or not: the guard takes every command in transit into
+    account.
+    """
     late = scenario.section(Delay)
     return Bound(delay=late.delay + late.unmodelled_delay)
 

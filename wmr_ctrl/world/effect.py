@@ -80,24 +80,24 @@ class Rate(Enum):
 class Bound:
     """Contribution of an effect to the guard's assumptions; pairs are (linear, angular).
 
-    ``dbar`` disturbance force [N, N m]; ``nbar`` error of the velocity [m/s, rad/s]; ``mass`` by
-    which mass and inertia may differ from the robot's [kg, kg m2].
+    ``dbar``: disturbance force [N, N m].  ``nbar``: error of the velocity [m/s, rad/s].  ``mass``:
+    largest deviation of mass and inertia from the robot's [kg, kg m2].
 
     Late drives: a command takes over between ``delay - jitter`` and ``delay`` [s] after it was
-    given, which may differ for each command, and is followed by a first-order lag whose time
-    constant lies within ``lag`` = (smallest, largest) [s] and may vary; a constant one has both
-    the same.
+    sent, at a time that may differ for each command.  A first-order lag follows, whose time
+    constant lies within ``lag`` = (smallest, largest) [s] and may vary; both are equal if it is
+    constant.
 
     Late sensors: the velocity is the mean over a ``window`` [s] that ended ``age`` [s] ago, to
     within nbar.
 
-    Bases that take velocities: the command that arrives is off by at most ``command`` [m/s, rad/s],
-    and one of at most ``dropped`` [m/s, rad/s] may act as 0.
-    ``hidden`` names an effect that the governor does not model, ``overshoots`` one that makes the
-    base overshoot its command, each in a sentence that begins with the key at fault.
+    Bases that take velocities: the command that arrives has an error of at most ``command`` [m/s,
+    rad/s], and a command of at most ``dropped`` [m/s, rad/s] may act as 0.  ``hidden`` names an
+    effect that the governor does not model, ``overshoots`` one that makes the base overshoot its
+    command.  Each is a sentence that begins with the key at fault.
 
-    ``void`` says which assumption the effect breaks, whatever its numbers, in a sentence that
-    begins with the key at fault: the guard then still filters, without guarantee.
+    ``void`` says which assumption the effect breaks for any numbers, in a sentence that begins with
+    the key at fault.  The guard then still filters, without guarantee.
     """
 
     dbar: Pair = (0.0, 0.0)
@@ -160,20 +160,21 @@ class Effect:
     """One sensor, disturbance or drive.
 
     ``section``: its fields, whose KEY is a table of the scenario.  ``build(scenario)`` gives its
-    System, ``bound(scenario)`` what it adds to the guard's assumptions; without a bound the guard
-    refuses to be switched on.
+    System, ``bound(scenario)`` its contribution to the guard's assumptions; an effect without a
+    bound cannot be used with the guard on.
 
-    It acts if a field of its section differs from its default: one of ``switches``, if these are
-    named, or as ``acts(scenario)`` says; a command or speed loop only on a base that takes
-    velocities.  The System's period is that of the rate.  It is part of the loop if it acts;
-    with ``always`` (for cheap effects) it is always part of the loop, and its numbers decide.
+    The effect acts if a field of its section differs from the default: one of ``switches``, if
+    these are named, or as ``acts(scenario)`` says.  A command or speed loop acts only on a base
+    that takes velocities.  The System's period is that of the rate.  An effect is part of the
+    loop's graph if it acts.  With ``always`` (for cheap effects) it is always part of it, and its
+    numbers alone switch it off.
 
     ``shape`` lists the keys of numbers that decide the form of its graph, such as the length of its
     memory; all others are read as parameters.  ``check(scenario)`` raises ScenarioError if its
     numbers do not fit those of other tables.  The stability figures include its effect on the loop
     near a reference, except for rounding in its graph, which they name.
 
-    ArgumentError for an invalid effect: a drive acts in each step, a sensor in each sample.
+    Raises ArgumentError for an invalid effect: a drive acts in each step, a sensor in each sample.
     """
 
     name: str
@@ -190,7 +191,7 @@ class Effect:
     check: Callable[[Scenario], None] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a rate that no loop has for its role, and switches that are no fields."""
+        """Refuse a rate that no loop has for its role, and switches that are not fields."""
         late = (EffectRole.COMMAND, EffectRole.LOOP, EffectRole.DRIVE)
         rates = {EffectRole.SENSOR: (Rate.SAMPLE,), **dict.fromkeys(late, (Rate.STEP,))}
         if self.rate not in rates.get(self.role, tuple(Rate)):
@@ -241,7 +242,7 @@ class Effect:
         return replace(system, period=period)
 
     def bounded(self, scenario: Scenario) -> Bound | None:
-        """Its contribution to the guard's assumptions; None where it states no bound."""
+        """Its contribution to the guard's assumptions; None if it states no bound."""
         if self.bound is None:
             return None
         stated = self._call("bound", self.bound, scenario)
@@ -292,9 +293,9 @@ def on_axes(axes: tuple[int, ...], bound: Bound) -> Bound:
 
 
 def total(bounds: list[Bound]) -> Bound:
-    """Sum of bounds, and every reason why nothing is guaranteed.
+    """Sum of bounds, with every reason why nothing is guaranteed.
 
-    Two lags in series are not one lag, and a mean of means is not one mean: those are reasons, too.
+    Two lags in series are not one lag, and a mean of means is not one mean: these are such reasons.
     """
     reasons = [item.void for item in bounds if item.void]
     if sum(item.lag[1] > 0 for item in bounds) > 1:
@@ -322,8 +323,8 @@ def total(bounds: list[Bound]) -> Bound:
 def mass_bounds(scenario: Scenario) -> tuple[Pair, Pair]:
     """Smallest and largest mass and inertia [kg, kg m2], before effects widen them.
 
-    Those of the guard; where one is not stated, model.m and model.I, narrowed or widened by the
-    share guard.mass_margin. The true robot and its changes are not used.
+    They are the guard's.  Unstated ones are model.m and model.I, less or plus the share
+    guard.mass_margin.  The true robot and its changes are not used.
     """
     return scenario.guard.masses(*scenario.value("model.m"), *scenario.value("model.I"))
 

@@ -44,7 +44,7 @@ LONG = 1e9
 
 
 class Encoder(Section, key="encoder"):
-    """Counts per turn, and how the velocity is computed from counts; left out: no encoders."""
+    """Counts per turn, and how the velocity is computed from counts; no encoders if omitted."""
 
     counts: float | None = quantity(
         None, "1", "counts in one turn of a wheel, all four edges counted", above=0
@@ -210,19 +210,19 @@ def check(scenario: Scenario) -> None:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """A mean over the window, to within a count of each wheel and the error of the wheels' size.
+    """A mean over the window, with an error of one count of each wheel and of the wheels' size.
 
-    The whole parts of two numbers differ by less than 1 more or less than the numbers, wherever
-    the counts' phase is (`rounded_by`).
+    The whole parts of two numbers differ by the numbers' difference +-1 at most, for any phase of
+    the counts (`rounded_by`).
 
     With the time between counts each wheel gives a mean of its speed (the time of a count is
-    computed from the rotation at both ends of a sample), but over its own window. Half their sum
-    and difference then mix v1 and omega: with the right wheel's mean E and the left one's E', v1 is
-    off by l (E omega - E' omega)/2, up to l omega_u1/2 where friction stops the turn between both,
-    and omega by (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of counts. The windows begin
-    at the last count of an earlier sample, however long ago that was; and a wheel may turn by
-    nearly a count without showing it, which equals the error of a difference over one period. So
-    there is neither an nbar nor a window to rely on, and the bound is void.
+    computed from the rotation at both ends of a sample), but over its own window.  Half their sum
+    and difference then mix v1 and omega.  With the right wheel's mean E and the left one's E', v1
+    has an error of l (E omega - E' omega)/2, up to l omega_u1/2 if friction stops the turn between
+    both.  The error of omega is (E v1 - E' v1)/(2 l), up to v_u1/(2 l), for any number of counts.
+    The windows begin at the last count of an earlier sample, however long ago that was.  A wheel
+    may also turn by nearly a count without showing it, which equals the error of a difference over
+    one period.  So neither an nbar nor a window can be guaranteed, and the bound is void.
     """
     encoder, robot = scenario.section(Encoder), scenario.robot
     if encoder.method == TIME:
@@ -242,8 +242,8 @@ def rounded_by(
 ) -> tuple[Number, Number]:
     """Quantisation error of v1 [m/s] and omega [rad/s] from differences of whole ``counts``.
 
-    Each wheel's speed is off by less than 2 pi r/(N w), so v1 by as much and omega by that over l
-    (ledger: world.encoder.*), for ``believed`` (r, l) [m] and a ``window`` w [s], numbers or
+    Each wheel's speed has an error below 2 pi r/(N w); v1 has the same, and omega that over l
+    (ledger: world.encoder.*).  ``believed``: (r, l) [m]; ``window``: w [s]; both are numbers or
     symbols.
     """
     r, half_track = believed

@@ -44,7 +44,7 @@ def grip(scenario: Scenario) -> Grip:
     """Torques of a scenario's robot; ``keep`` is the minimum over its phases, 0 if a phase has
     none.
 
-    The other torques are those of the start.
+    The other torques are for the robot at the start.
     """
     forces = [_forces(scenario, phase.robot) for phase in phases(scenario)]
     first = forces[0]

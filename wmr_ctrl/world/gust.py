@@ -40,7 +40,7 @@ def build(scenario: Scenario) -> System:
 
 
 def filtered(share: ca.SX, number: ca.SX, keep: ca.SX) -> ca.SX:
-    """The next share: weighted mean of the last one and a new number."""
+    """Next share of the size: weighted mean of the last one and a new number."""
     return keep * share + (1 - keep) * number
 
 

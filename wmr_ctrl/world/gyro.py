@@ -37,7 +37,7 @@ def axes_without_gyro(scenario: Scenario) -> tuple[int, ...]:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The error never exceeds it (ledger: world.gyro)."""
+    """The largest error of omega (ledger: world.gyro)."""
     gyro = scenario.section(Gyro)
     return Bound(nbar=(0.0, off_by(gyro.bias, gyro.noise)))
 

@@ -83,7 +83,9 @@ def check(scenario: Scenario) -> None:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """The largest delay grows by the jitter; a command may be earlier by it."""
+    """The jitter: the largest delay grows by it, and a command may be earlier than the largest
+    delay by it.
+    """
     jitter = scenario.section(Jitter).jitter
     return Bound(delay=jitter, jitter=jitter)
 

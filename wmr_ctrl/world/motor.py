@@ -71,7 +71,7 @@ def beyond_zone(torque: ca.SX, zone: ca.SX) -> ca.SX:
 
 
 def on_line(torque: ca.SX, speed: ca.SX, stall: ca.SX, slowing: ca.SX) -> ca.SX:
-    """Torque [N m] of a motor whose wheel turns at ``speed`` [rad/s]; slowing = 1/free.
+    """Torque [N m] of a motor whose wheel turns at ``speed`` [rad/s]; ``slowing`` = 1/free.
 
     At most stall (1 - speed/free) in the direction of rotation, at most stall against it.
     """
@@ -98,11 +98,11 @@ def largest_torque(scenario: Scenario) -> float:
 def bound(scenario: Scenario) -> Bound:
     """Largest force that both wheels together lack.
 
-    Rounding to a step errs by at most half of it, the dead zone removes at most its width: the
-    thrust lacks twice that over r, the moment l times as much.  On the line a wheel at speed s
-    lacks, of a torque up to tau_max, at most that and d(s) = max(tau_max - stall (1 - s/free), 0),
-    convex and rising in s. Within the limits the wheels drive the same way at up to u1 + l w and u1
-    - l w, opposite ways at up to v + l u2 and l u2 - v, and a convex sum is largest at an end: the
+    Rounding to a step errs by at most half of it, and the dead zone removes at most its width: the
+    thrust lacks twice that over r, the moment l times as much.  For a torque up to tau_max, a wheel
+    at speed s lacks at most that plus d(s) = max(tau_max - stall (1 - s/free), 0), which is convex
+    and rising in s.  Within the limits the wheels turn the same way at up to u1 + l w and u1 - l w,
+    opposite ways at up to v + l u2 and l u2 - v.  A convex sum is largest at an end, here the
     fastest wheel with the other one (ledger: world.motor.*).
     """
     motor, robot, (u1, u2) = scenario.section(Motor), scenario.robot, scenario.limits.v_u1
@@ -126,7 +126,7 @@ def bound(scenario: Scenario) -> Bound:
 
 
 def missing(most: Number, stall: Number, share: Number) -> Number:
-    """d [N m] of a torque up to ``most`` at a ``share`` of the free speed; numbers or symbols."""
+    """d [N m] for a torque up to ``most`` at a ``share`` of the free speed; numbers or symbols."""
     return positive(most - stall * (1.0 - positive(share)))
 
 

@@ -2,8 +2,8 @@
 
     tau_d = B1^-1 (M1 v_d' + F1(v_d)),    Eq. (4) at the desired velocity,
 
-is inverse dynamics along the reference. Torque of a law beyond it is its reaction to the start, to
-disturbances and to noise.
+is inverse dynamics along the reference.  The rest of a law's torque is its reaction to the start,
+to disturbances and to noise.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Phase:
 
 
 def phases(scenario: Scenario) -> Iterator[Phase]:
-    """Yield the robot at the start and from each change on."""
+    """The robot at the start and from each change on."""
     robot = scenario.robot
     yield Phase(0.0, robot)
     for change in scenario.changes:

@@ -1,4 +1,4 @@
-"""Pose sensor: a slow and noisy pose, dead-reckoned in between from the measured velocity.
+"""Pose sensor: slow and noisy poses, with dead reckoning from the measured velocity in between.
 
 Source: Section VI of the paper has such a sensor; it does not say how the pose is used between two
 measurements.

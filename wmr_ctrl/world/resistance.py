@@ -50,16 +50,16 @@ def smoothed(v: ca.SX, turn: ca.SX, v_s: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def resisted(most: ca.SX, half_track: ca.SX, right: ca.SX, left: ca.SX) -> ca.SX:
-    """Force on the body (2,) [N, N m] from wheels whose resistance is ``most`` (2,) [N].
+    """Force on the body (2,) [N, N m] from wheels whose largest resistance is ``most`` (2,) [N].
 
-    ``right``, ``left``: used share of it, with the sign of the wheel's speed.
+    ``right``, ``left``: the share of it that acts, with the sign of the wheel's speed.
     """
     forces = (most[0] * right, most[1] * left)
     return -ca.vertcat(forces[0] + forces[1], half_track * (forces[0] - forces[1]))
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Bound of the wheels' difference; the common part only slows, like any friction.
+    """Bound due to the wheels' difference; the common part only slows the robot, like any friction.
 
     tanh increases and is odd, so the sum over equal wheels has the sign of v1, their difference
     that of omega.  The excess of one wheel, at most |difference| m g/2, may push the other axis,
@@ -78,7 +78,9 @@ def pushed_by(
 
 
 def rolling_against(scenario: Scenario) -> Pair:
-    """Largest thrust [N] and moment [N m] of rolling that slow, without unequal wheels' push."""
+    """Largest thrust [N] and moment [N m] of rolling resistance, without the push of unequal
+    wheels.
+    """
     robot, load = scenario.robot, load_of_wheel(heaviest(scenario), scenario.robot.g)
     both = 2 * min(scenario.section(Resistance).rolling) * load
     return both, robot.l * both

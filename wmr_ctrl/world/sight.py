@@ -1,13 +1,13 @@
-"""Free ways of a round body, ahead and behind, while its heading stays within a window.
+"""Free distances of a round body, ahead and behind, while its heading stays within a window.
 
 The body is a disc about the axle's midpoint, whose heading stays within ``right`` and ``left`` of
-the present one. What it may cover is a sector and the disc around it (a cone): of a point at
-distance p and bearing b, with o how far b is outside of the window,
+the present one.  It may cover a sector and the disc around it (a cone).  For a point at distance p
+and bearing b, with o the part of b outside the window,
 
     way = p cos o - sqrt(R^2 - p^2 sin^2 o)        where p |sin o| <= R and |o| < 90 degrees,
 
-and any way elsewhere. Backwards the bearing counts from behind. A wall is met at one of its ends,
-or along the heading of the window nearest to its normal.
+and no limit elsewhere.  Behind the robot, bearings are measured from its back.  A wall is met at
+one of its ends, or along the heading of the window nearest to its normal.
 """
 
 from collections.abc import Sequence
@@ -27,10 +27,10 @@ WIDEST = 1.5
 def way_to_point(
     place: Point, window: tuple[ca.SX, ca.SX], radius: ca.SX | float, sense: int
 ) -> ca.SX:
-    """Way [m] to a point ``place`` (ahead, to the left) [m] for a disc of ``radius`` [m].
+    """Distance [m] to a point ``place`` (ahead, to the left) [m] for a disc of ``radius`` [m].
 
     ``window``: heading to the left and to the right [rad]; ``sense``: 1 ahead, -1 backwards.
-    Negative where the disc covers the point already; `LARGEST` where it never does.
+    Negative if the disc covers the point already; `LARGEST` if it never does.
     """
     along, across = sense * place[0], sense * place[1]
     outside = _outside(ca.atan2(across, along), window)
@@ -44,7 +44,7 @@ def way_to_point(
 def way_to_wall(
     ends: tuple[Point, Point], window: tuple[ca.SX, ca.SX], radius: ca.SX | float, sense: int
 ) -> ca.SX:
-    """Way [m] to a straight wall between two points; see `way_to_point`."""
+    """Distance [m] to a straight wall between two points; see `way_to_point`."""
     (ax, ay), (bx, by) = [[sense * part for part in end] for end in ends]
     tx, ty = bx - ax, by - ay
     length = ca.sqrt(tx * tx + ty * ty)
@@ -59,12 +59,12 @@ def way_to_wall(
 
 
 def _outside(bearing: ca.SX, window: tuple[ca.SX, ca.SX]) -> ca.SX:
-    """How far a bearing is outside of a window, signed [rad]."""
+    """Signed angle [rad] by which a bearing is outside a window."""
     return bearing - ca.fmax(-window[1], ca.fmin(window[0], bearing))
 
 
 def seen_from(pose: ca.SX, place: Pair) -> Point:
-    """A point (X, Y) [m] as seen from a pose (3,): ahead, to the left [m]."""
+    """A point (X, Y) [m] relative to a pose (3,): ahead, to the left [m]."""
     x, y = place[0] - pose[0], place[1] - pose[1]
     s, c = ca.sin(pose[2]), ca.cos(pose[2])
     return c * y - s * x, -(c * x + s * y)
@@ -73,7 +73,9 @@ def seen_from(pose: ca.SX, place: Pair) -> Point:
 def free_ways(
     shapes: Sequence[Shape], pose: ca.SX, window: tuple[ca.SX, ca.SX], radius: ca.SX | float
 ) -> tuple[ca.SX, ca.SX]:
-    """Ways [m] ahead and behind of a disc at ``pose`` (3,) before it touches a shape."""
+    """Distances [m] that a disc at ``pose`` (3,) can move ahead and back before it touches a
+    shape.
+    """
     ways = []
     for sense in (1, -1):
         own = [ca.SX(LARGEST)]

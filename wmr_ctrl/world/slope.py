@@ -58,7 +58,9 @@ def pulled(pull: ca.SX, offset: ca.SX, along: ca.SX, across: ca.SX) -> ca.SX:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """For the heaviest assumed robot, straight downhill and across (ledger: world.slope.*)."""
+    """Largest pull on the heaviest assumed robot, straight downhill and across (ledger:
+    world.slope.*).
+    """
     slope = scenario.section(Slope)
     pull = downhill(heaviest(scenario), scenario.robot.g, math.sin(slope.angle))
     return Bound(dbar=pulled_at_most(pull, slope.offset))

@@ -1,8 +1,8 @@
-"""Speed loop of a base that takes velocities: what its kinds have in common.
+"""Common parts of all kinds of speed loops, for bases that take velocities.
 
-Source: bases as they are sold, whose firmware runs a loop of its own.  The loop acts in every plant
-step on the true robot, so friction, mass and pushes are what they are elsewhere; each wheel gives
-at most actuator.tau_max.  A kind of loop is one file, such as `speed_loop_pi`, and drives one axis;
+Source: commercial bases, whose firmware runs its own loop.  The loop acts in every plant step on
+the true robot, so friction, mass and pushes act as elsewhere; each wheel gives at most
+actuator.tau_max.  A kind of loop is one file, such as `speed_loop_pi`, and drives one axis;
 `speed_loops` joins both axes and turns their forces into torques.
 """
 
@@ -38,7 +38,7 @@ class BaseKind(Section, key="base"):
 
 
 def has_loop(scenario: Scenario, loop: str, axes: Sequence[int] = (0, 1)) -> bool:
-    """True where this kind of speed loop drives these axes of the base."""
+    """True if this kind of speed loop drives all of these axes of the base."""
     loops = scenario.section(BaseKind).loop
     return scenario.takes_velocity and all(loops[axis] == loop for axis in axes)
 
@@ -49,10 +49,10 @@ Numbers: TypeAlias = "Callable[[str], ca.SX]"
 
 @dataclass(frozen=True)
 class Drive:
-    """Force [N, N m] that the speed loop of an axis wants.
+    """Force [N, N m] that the speed loop of an axis requests.
 
-    ``following(given)``: the loop's next own state, for the force (2,) [N, N m] by which the wheels
-    exceed what both loops want.
+    ``following(given)``: the loop's next state, for the force (2,) [N, N m] by which the wheels
+    exceed both loops' request.
     """
 
     force: ca.SX

@@ -1,12 +1,12 @@
 """First-order speed loop: tau v' = K u - v on each axis, with pushes added as force over mass.
 
 Source: the usual model of a velocity-controlled base.  The loop knows the robot's true mass and
-friction; held over a plant step h, its force takes the speed to where a first order takes it,
+friction.  Held over a plant step h, its force changes the speed as a first-order lag would:
 
     F = M (K u - v)/s + F1(v),      s = h/(1 - exp(-h/tau)),
 
-except for the change of friction within the step, which opposes every change of the speed. A push f
-ends at the speed d = s f/M.
+except for the change of friction within the step, which opposes every change of the speed.  Under a
+push f the speed ends at d = s f/M.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def _drive(servo: Servo) -> Drive:
 
 
 def reach(period: ca.SX, tau: ca.SX) -> ca.SX:
-    """s [s]: in a ``period`` [s] a first-order lag covers the share period/s of its way."""
+    """s [s]: in a ``period`` [s] a first-order lag covers the share period/s of the distance."""
     return period / -ca.expm1(-period / tau)
 
 

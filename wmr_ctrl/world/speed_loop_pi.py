@@ -1,10 +1,10 @@
 """PI speed loop: F = kp (u - v) + f, f' = ki (u - v), on the true mass, inertia and friction.
 
-Source: the loop that most firmware runs, on each wheel.  Wheels that are alike make it one loop of
-v and one of omega, whose moment is l^2 times as much, kp and ki being those of both wheels together
+Source: the loop of most firmware, on each wheel.  For equal wheels it is equivalent to one loop of
+v and one of omega, whose moment is l^2 times as much; kp and ki are those of both wheels together
 at the rim.  It overshoots: after a step the speed exceeds its command.  Behind a torque limit f
-winds up; with ``antiwindup`` it rests while the wheels give another force than the loop wants and
-the error would drive it further that way.
+winds up.  With ``antiwindup`` f is frozen while the wheels give another force than requested and
+the error would increase the difference.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class PiLoopGains(Section, key="base"):
 
 
 def _lever(take: Numbers, axis: int) -> ca.SX:
-    """Share of both wheels' force that an axis feels, and of its speed at their rim [1, m2]."""
+    """Factor from a loop at both wheels' rims to the axis' own: 1 for v, l^2 [m2] for omega."""
     return take("robot.l")[0] ** 2 if axis else ca.SX(1)
 
 

@@ -1,14 +1,14 @@
 """Second-order speed loop: v' = a, a' = w^2 (K u - v) - 2 z w a on each axis.
 
 Source: the usual fit of a step response that overshoots; a first-order loop behind a lag of the
-drives. w is the frequency, z the damping, K the gain (`speed_loop_first_order`). The loop knows the
-robot's true mass and friction; held over a plant step h, its force takes v to where the loop takes
-it, and a is what the loop has reached then. With E = exp(-z w h), e = K u - v, q = w sqrt(z^2 - 1)
-and S, C = sinh(q h)/q, cosh(q h), below z = 1 the same of sine and cosine,
+drives. w is the frequency, z the damping, K the gain (`speed_loop_first_order`).  The loop knows
+the robot's true mass and friction.  Held over a plant step h, its force moves v to the loop's exact
+value at the end, where its rate is a.  With E = exp(-z w h), e = K u - v, q = w sqrt(z^2 - 1) and
+S, C = sinh(q h)/q, cosh(q h), with sine and cosine below z = 1,
 
     v+ = v + e - E ((C + z w S) e - S a),       a+ = E ((C - z w S) a + w^2 S e).
 
-A push f comes on top as force over mass, and ends at the speed 2 z/w f/M.
+A push f is added as force over mass; under it the speed ends at 2 z/w f/M.
 """
 
 from wmr_ctrl.core.fields.section import Section, quantity

@@ -68,7 +68,7 @@ def build(scenario: Scenario) -> System:
 def bound(scenario: Scenario) -> Bound:
     """Bound of the loops: none for a loop that overshoots; the governor itself models first order.
 
-    A torque limit hides what it does to a first-order loop.
+    With a torque limit, a first-order loop is a hidden effect.
     """
     for name in scenario.section(BaseKind).loop:
         if KINDS[name].overshoots:

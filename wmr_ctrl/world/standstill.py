@@ -1,8 +1,9 @@
 """Standstill control: after commands of 0 the base stands and holds, until another one arrives.
 
 Source: motor drivers with a brake, a time-out or control at standstill.  Once both commands that
-arrive have been 0 for `rest`, the base stands at once, and nothing moves it; any other command
-opens the brake.  It counts before ramps of the firmware, so that slowing down is part of the time.
+arrive have been 0 for `rest`, the base stops instantly, and nothing moves it; any other command
+opens the brake.  The time is measured before ramps of the firmware, so that slowing down is part of
+it.
 """
 
 from __future__ import annotations

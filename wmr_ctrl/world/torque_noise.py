@@ -44,7 +44,7 @@ def build(scenario: Scenario) -> System:
 
 
 def acts(scenario: Scenario) -> bool:
-    """True where there is noise."""
+    """True if there is noise."""
     return scenario.section(TorqueNoise).std > 0
 
 
@@ -57,7 +57,7 @@ def bound(scenario: Scenario) -> Bound:
 
 
 def unbounded(scenario: Scenario) -> bool:
-    """True where there is noise without truncation."""
+    """True if there is noise without truncation."""
     return math.isinf(scenario.section(TorqueNoise).truncate) and acts(scenario)
 
 

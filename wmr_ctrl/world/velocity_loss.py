@@ -1,8 +1,8 @@
 """Lost velocities: the last one that arrived is held, and its age is reported.
 
-Source: radio, buses and wheel slip detectors, which drop odometry. Each measured velocity is lost
-with probability 1/2, but never more than ``velocity_losses`` in a row, and the first one comes. The
-age of the velocity that is shown is an output; a governor of commands uses it (`filter`).
+Source: radio, buses and wheel slip detectors, which drop odometry.  Each measured velocity is lost
+with probability 1/2, but never more than ``velocity_losses`` in a row, and the first one arrives.
+The age of the held velocity is an output; a governor of commands uses it (`filter`).
 """
 
 from wmr_ctrl.core.fields.section import Section, quantity

@@ -1,10 +1,10 @@
 """Firmware of each wheel: a dead band of its speed, and an acceleration limit.
 
-Source: bases whose driver takes (v, omega) and drives each wheel by itself, such as iRobot's Create
-3. A wheel whose speed at the rim would be smaller than the dead band is kept at rest; its command
-then changes no faster than `command_ramp` does it for an axis. Rims that start and stop at one rate
-keep v and omega between the commands before and after; at two rates one wheel may stop while the
-other is still slow to start, and |v| or |omega| passes both.
+Source: bases whose driver takes (v, omega) and drives each wheel separately, such as iRobot's
+Create 3.  A wheel whose speed at the rim would be smaller than the dead band is kept at rest.  Its
+command is ramped as `command_ramp` does for an axis.  Rims that start and stop at one rate keep v
+and omega between the commands before and after.  At two rates one wheel may stop while the other
+has hardly started, and |v| or |omega| exceeds both commands.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def build(scenario: Scenario) -> System:
 
 
 def ramps(scenario: Scenario) -> bool:
-    """True where a rate is limited: a rim then stops at 0 before it turns round."""
+    """True if a rate is limited: a rim then stops at 0 before its sign changes."""
     own = scenario.section(WheelCommands)
     return min(own.wheel_accel, own.wheel_decel) < math.inf
 
@@ -77,7 +77,7 @@ def from_rims(rims: ca.SX, l: ca.SX) -> ca.SX:
 def bound(scenario: Scenario) -> Bound:
     """Half of the dead band: a wheel that is kept at rest may also speed the base up.
 
-    With ramps of one rate, also the part of a plant step that a rim loses by stopping at 0.
+    With ramps of one rate, also the part of a plant step in which a rim is stopped at 0.
     """
     own, l = scenario.section(WheelCommands), scenario.robot.l
     half, accel = own.wheel_deadband / 2, own.wheel_accel

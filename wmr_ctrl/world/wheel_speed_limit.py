@@ -1,8 +1,8 @@
 """Limit of the wheels' speeds in the firmware: it couples v and omega.
 
 Source: differential-drive drivers, which turn (v, omega) into wheel speeds v +- l omega over r and
-clip each at ``w_max``. A fast turn loses both speed and curvature. |v| and |omega| never grow and
-never change their sign by it, since clipping is odd and monotone.
+clip each at ``w_max``.  A fast turn loses both speed and curvature. |v| and |omega| never grow and
+never change their sign, since clipping is odd and monotone.
 """
 
 import math
@@ -37,7 +37,7 @@ def build(scenario: Scenario) -> System:
 
 
 def bound(scenario: Scenario) -> Bound:
-    """Hidden effect: the acting command differs from the one sent, which the governor assumes."""
+    """Hidden effect: the governor assumes that the command it sent acts, and another one does."""
     return Bound(hidden="base.w_max: the firmware clips the wheels' speeds.")
 
 

@@ -75,11 +75,11 @@ def bound(scenario: Scenario) -> Bound:
 def misdriven_by(
     radius: tuple[Number, Number], track: Number, believed: tuple[Number, Number], most: Number
 ) -> tuple[Number, Number]:
-    """Errors of thrust [N] and moment [N m], of torques of at most ``most`` [N m].
+    """Errors of thrust [N] and moment [N m], for torques of at most ``most`` [N m].
 
-    With a_i = 1/(1 + radius_i) and k = 1 + track they are off by sum (a_i - 1) tau_i/r and
-    l sum +-(k a_i - 1) tau_i/r, so by at most tau sum |a_i - 1|/r and l tau sum |k a_i - 1|/r
-    (ledger: world.wheels.*).  Shares and the ``believed`` (r, l) [m] are numbers or symbols.
+    With a_i = 1/(1 + radius_i) and k = 1 + track the errors are sum (a_i - 1) tau_i/r and l sum
+    +-(k a_i - 1) tau_i/r, so at most tau sum |a_i - 1|/r and l tau sum |k a_i - 1|/r (ledger:
+    world.wheels.*).  Shares and the ``believed`` (r, l) [m] are numbers or symbols.
     """
     (right, left), (r, half_track) = (1.0 / (1.0 + item) for item in radius), believed
     wider = 1.0 + track
@@ -91,9 +91,9 @@ def misdriven_by(
 def misread(scenario: Scenario) -> Pair:
     """Errors of v1 and omega computed from wheel speeds with the believed wheels.
 
-    With c = (a_r + a_l)/2 and d = (a_r - a_l)/2 they show c v1 + d l' omega and
-    (d v1 + c l' omega)/l, so they are off by at most |c - 1| u1 + |d| l' u2 [m/s] and
-    |c l'/l - 1| u2 + |d| u1/l [rad/s] within the limits u1, u2 (ledger: world.wheels.misread*).
+    With c = (a_r + a_l)/2 and d = (a_r - a_l)/2 the computed values are c v1 + d l' omega and (d v1
+    + c l' omega)/l.  Their errors are at most |c - 1| u1 + |d| l' u2 [m/s] and |c l'/l - 1| u2 +
+    |d| u1/l [rad/s] within the limits u1, u2 (ledger: world.wheels.misread*).
     """
     wheels = scenario.section(Wheels)
     return misread_by(wheels.radius, wheels.track, scenario.robot.l, scenario.limits.v_u1)

@@ -57,8 +57,8 @@ def acceleration(mass: ca.SX, force: ca.SX, friction_force: ca.SX) -> ca.SX:
 def plant(scenario: Scenario, *, rolling: tuple[Signal, ...] = ()) -> System:
     """Continuous System: torques, disturbance torques (right, left), force on the body to motion.
 
-    State x, y [m], theta [rad], v1 [m/s], omega [rad/s], and what else ``rolling`` names: PATH, or
-    SKID, which rests here.  Parameters are the robot's.
+    State x, y [m], theta [rad], v1 [m/s], omega [rad/s], and the quantities that ``rolling`` names:
+    PATH, or SKID, which is constant here.  Parameters are the robot's.
     """
     torque, noise, pushed = ports(TORQUE), ports(TORQUE_NOISE), ports(BODY_FORCE)
     start = (*scenario.initial.pose, *scenario.initial.velocity)

@@ -48,7 +48,7 @@ def circle(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
 class Line(Reference):
     """Straight line at constant speed along (-sin heading, cos heading).
 
-    A speed that is left out is half of the limit.
+    An omitted speed is half of the limit.
     """
 
     speed: float = quantity(derived(0.1), "m/s", "speed of the desired motion")
@@ -142,8 +142,8 @@ class Lemniscate(Reference):
 def lemniscate(t: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
     """x_d = a sin wt, y_d = a sin wt cos wt.
 
-    The direction swings by 135 degrees to either side of -Y, so that the angle from -Y, an atan2
-    that never meets its branch cut, gives a continuous theta_d.
+    The direction swings by 135 degrees to either side of -Y. So the angle from -Y, an atan2 that
+    never meets its branch cut, gives a continuous theta_d.
     """
     size, rate = p["ref_size"], p["ref_rate"]
     phase = rate * t

@@ -47,7 +47,7 @@ class Reference(Section, key="reference"):
     )
 
     def stated(self, name: str) -> float | None:
-        """Value of a field; None if it is left out."""
+        """Value of a field; None if it is omitted."""
         value: float = vars(self)[name]
         return None if isinstance(value, Unstated) else value
 
@@ -67,7 +67,7 @@ class Reference(Section, key="reference"):
 
 
 def driven(limits: Pair) -> Pair:
-    """Default speed and turning [m/s, rad/s] of a path, from their limits."""
+    """Default speed and turning rate [m/s, rad/s] of a path, from their limits."""
     return DRIVEN[0] * limits[0], DRIVEN[1] * limits[1]
 
 
@@ -193,7 +193,7 @@ _STARTS: dict[tuple[object, ...], tuple[tuple[float, ...], tuple[float, ...]]] =
 def start_of(scenario: Scenario) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Pose (3,) [m, m, rad] and velocity (2,) [m/s, rad/s] of the desired motion at t = 0.
 
-    Rest at the origin if it is not finite, which is refused elsewhere.
+    Rest at the origin if the motion is not finite, which is refused elsewhere.
     """
     key = type(scenario.reference), scenario.reference, scenario.clock.control
     if key not in _STARTS:
@@ -220,15 +220,15 @@ def fastest_of(scenario: Scenario) -> float:
 def reference_bounds(scenario: Scenario) -> tuple[float, float, float]:
     """Return min v1_d [m/s], max v1_d [m/s] and max |v2_d| [rad/s] over the run.
 
-    Taken on a fine grid over one cycle of the velocities or the run, whichever is shorter; the
-    theorems ask for 0 < v1_d < v_u2[1] and |v2_d| < v_u2[2].
+    Evaluated on a fine grid over one cycle of the velocities or the run, whichever is shorter.  The
+    theorems require 0 < v1_d < v_u2[1] and |v2_d| < v_u2[2].
     """
     (slowest, fastest), turning = reference_spans(scenario)
     return slowest, fastest, max(map(abs, turning))
 
 
 def reference_spans(scenario: Scenario) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Least and largest v1_d [m/s], and v2_d [rad/s], as `reference_bounds` takes them."""
+    """Least and largest v1_d [m/s], and v2_d [rad/s], on the grid of `reference_bounds`."""
     end = min(scenario.clock.duration, scenario.reference.cycle)
     rows = sample(scenario, np.linspace(0, end, GRID))
     linear, angular = ((float(v.min()), float(v.max())) for v in (rows[:, 3], rows[:, 4]))

@@ -1,10 +1,11 @@
-"""Waypoints from a file: a table with one point per row, or YAML as navigation stacks print paths.
+"""Waypoints from a file: a table with one point per row, or a path in YAML as navigation stacks
+print it.
 
 For tables see `core.fields.tables`; without a header, the columns are x and y in m.  YAML: a list
-of poses, or a mapping with one below `LISTS`, or poses by name, or one pose per document.  A pose
-is a mapping with x and y in m, perhaps below ``position`` and that below ``pose``, or a list of x,
-y and more; in GeoJSON, which is YAML, it is a point, or each point of a line.  Headers, z and
-orientations are ignored, since the path's direction follows from its points.
+of poses, or a mapping with such a list under a key of `LISTS`, or poses by name, or one pose per
+document.  A pose is a mapping with x and y in m, possibly under ``position`` and that under
+``pose``, or a list of x, y and more.  In GeoJSON, which is YAML, it is a point, or each point of a
+line.  Headers, z and orientations are ignored, since the path's direction follows from its points.
 """
 
 import math

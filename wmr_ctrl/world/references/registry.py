@@ -43,7 +43,7 @@ class ReferenceRegistry(Mapping[str, ReferenceKind]):
         return len(OURS) + len(self.plugins)
 
     def of(self, reference: Reference) -> ReferenceKind | None:
-        """Return the kind whose section ``reference`` is."""
+        """Return the kind that the section ``reference`` belongs to."""
         same = (item for item in self.values() if type(reference) is item.section)
         return next(same, None)
 

@@ -76,8 +76,8 @@ class _Cells:
 def fastest(path: SplinePath, limits: PathLimits, rest: bool, stop: bool) -> SpeedProfile:
     """The fastest profile of a path; ``rest``: begins at rest, ``stop``: ends at rest.
 
-    Neither on a closed path: then the lap ends as fast as it begins.  Raises ValueError where a
-    path cannot be driven under the limits.
+    Neither is possible on a closed path, whose lap ends as fast as it begins.  Raises ValueError if
+    a path cannot be driven under the limits.
     """
     cells = _cells(path, COARSE)
     each = _squares(cells, limits)
@@ -96,7 +96,7 @@ def fastest(path: SplinePath, limits: PathLimits, rest: bool, stop: bool) -> Spe
 
 
 def _cells(path: SplinePath, within: Array) -> _Cells:
-    """Cells of a path, with the geometry at places ``within`` [0, 1] each of them.
+    """Cells of a path, with the geometry at the relative places ``within`` [0, 1] of each.
 
     On each segment they are smaller towards both ends.
     """
@@ -170,7 +170,9 @@ def _lines(cells: _Cells, limits: PathLimits, squares: Array, k: int) -> Array:
 
 
 def _bounds(lines: Array, width: float, next_most: float) -> tuple[Array, Array, float]:
-    """Bounds of u as lines in x (value at 0, slope), lower and upper, and the largest x alone."""
+    """Bounds of u as lines in x (value at 0, slope), lower and upper, and the largest x allowed
+    without u.
+    """
     a, b, c = lines.T
     flat = a <= 1e-12 * np.maximum(np.abs(b), 1e-300)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -205,7 +207,7 @@ def _in_time(cells: _Cells, squares: Array, accelerations: Array, stop: bool) ->
 
 
 def _stretched(path: SplinePath, limits: PathLimits, profile: SpeedProfile) -> SpeedProfile:
-    """The profile, slowed down such that limits between the grid's points hold, too."""
+    """The profile, slowed down so that the limits also hold between the grid's points."""
     cells = _cells(path, FINE)
     u = profile.accelerations[:-1, None]
     x = profile.rates[:-1, None] ** 2 + 2 * u * cells.widths[:, None] * FINE

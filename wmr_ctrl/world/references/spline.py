@@ -1,15 +1,15 @@
 """Paths as tables of polynomials: quintic splines, and straight lines with rounded corners.
 
-A spline's parameter is time; it has four continuous derivatives, so that the desired velocities
-have two.  A closed
-path is periodic.  At the ends of an open path the second and third derivatives are zero, so that
-it goes over into a straight line as smoothly as the velocities' rates need.  In the graph of the
-motion the table's numbers are parameters; only the number of segments is part of it.
+A spline's parameter is time.  It has four continuous derivatives, so that the desired velocities
+have two.  A closed path is periodic.  At the ends of an open path the second and third derivatives
+are zero, so that it continues as a straight line with the smoothness that the velocities' rates
+need.  In the graph of the motion the table's numbers are parameters; only the number of segments is
+part of it.
 
-For straight lines through points, a tolerance states how far the path may cut a corner. Each corner
-is a polynomial of degree five whose first three control points lie on the one line and whose last
+For straight lines through points, a tolerance states how far the path may cut a corner.  Each
+corner is a polynomial of degree five.  Its first three control points lie on one line and its last
 three on the other, evenly spaced towards the corner, so direction and curvature are continuous
-where it meets the lines. Unnecessary points are left out before (`simplified`).
+where it meets the lines.  Unnecessary points are removed first (`simplified`).
 """
 
 from __future__ import annotations
@@ -67,9 +67,9 @@ class SplinePath:
 def fit(points: Array, speed: float, closed: bool) -> SplinePath:
     """Return the spline path through ``points`` (n, 2) [m] at the mean speed ``speed`` [m/s].
 
-    The parameter is the chord length at first. Replacing it by the arc length of the spline found
-    so far makes the speed more even, except where points are far apart in a bend; so each round is
-    kept only as long as it helps.
+    The first parameter is the chord length.  Replacing it by the arc length of the previous spline
+    makes the speed more even, unless points are far apart in a bend.  The replacement is repeated
+    only as long as it helps.
     """
     if closed:
         points = np.vstack([points, points[:1]])
@@ -236,8 +236,8 @@ SHORTEST = 1e-9
 def rounded(points: Array, tolerance: float, closed: bool) -> SplinePath:
     """The path through ``points`` (n, 2) [m] that cuts no corner by more than ``tolerance`` [m].
 
-    Its parameter is the length on the lines, and grows as evenly where a corner meets them.
-    A closed path begins behind its first corner.
+    Its parameter is the length on the lines, and continues evenly into each corner.  A closed path
+    begins behind its first corner.
     """
     ring = np.vstack([points, points[:1]]) if closed else points
     steps = np.diff(ring, axis=0)
@@ -263,7 +263,7 @@ def simplified(points: Array, within: float, closed: bool) -> Array:
     """Ramer-Douglas-Peucker simplification of ``points`` (n, 2) [m].
 
     Straight lines through the remaining points stay within that distance [m] of the lines through
-    all points, compared at equal progress, so what is left out never goes back by more than that.
+    all points, compared at equal progress.  So no omitted part goes back by more than that.
     """
     ring = np.vstack([points, points[:1]]) if closed else points
     corners = {0, len(ring) - 1}
@@ -280,7 +280,7 @@ def simplified(points: Array, within: float, closed: bool) -> Array:
 
 
 def _missed(points: Array) -> Array:
-    """Distance of each inner point from the line between the ends, or its way back [m]."""
+    """Distance of each inner point from the line between the ends, or how far it goes back [m]."""
     way, away = points[-1] - points[0], points - points[0]
     length = float(np.hypot(*way))
     direction = way / length if length > 0 else np.zeros(2)

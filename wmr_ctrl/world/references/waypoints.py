@@ -1,12 +1,12 @@
 """Path through given points, driven as fast as stated limits admit, with a rest at its end.
 
-``file = "way.csv"`` may replace ``points`` (x,y, a point a row, in m or in the unit that its header
-states, such as ``x [mm]``; columns also by semicolons or tabs) or ``"way.yaml"`` (a path message:
-``poses`` with ``position``). The smooth path through the points has four continuous derivatives;
-with ``tolerance`` it is straight lines whose corners are rounded, and beyond MOST_POINTS points,
-those that half of the tolerance does not need are left out. At the beginning and at the end v1_d is
-0, and the theorems of the paper, which ask for v1_d > 0, then promise nothing: the laws stay
-defined, and that the robot arrives is what a run shows.
+``file = "way.csv"`` may replace ``points``: x,y, a point a row, in m or in the unit that its header
+states, such as ``x [mm]``; semicolons or tabs may separate columns.  ``"way.yaml"`` is a path
+message: ``poses`` with ``position``.  The smooth path through the points has four continuous
+derivatives.  With ``tolerance`` the path is straight lines with rounded corners; if there are more
+than MOST_POINTS points, those that half of the tolerance does not need are omitted.  At the
+beginning and at the end v1_d is 0, and the theorems of the paper, which require v1_d > 0, do not
+apply there.  The laws stay defined, and a run shows whether the robot arrives.
 """
 
 from __future__ import annotations
@@ -57,12 +57,12 @@ _ROWS = (
 
 
 class Waypoints(Reference):
-    """Path through given points, as fast as the limits on it admit, and a rest at its end.
+    """Path through given points, as fast as its limits admit, and a rest at its end.
 
     With ``at_end = "stop"`` the desired motion begins and ends at rest; with ``"continue"`` it
     begins at speed and goes straight on past the end; with ``"loop"`` the path is closed and
-    repeated.  A closed path returns from the last point to the first.  Speeds that are left out are
-    half of their limits, reached within 2.5 s or as fast as the base's own ramps admit.
+    repeated.  A closed path returns from the last point to the first.  Omitted speeds are half of
+    their limits, reached within 2.5 s or as fast as the base's own ramps admit.
     """
 
     points: tuple[tuple[float, float], ...] = quantity(
@@ -87,7 +87,7 @@ class Waypoints(Reference):
     closed: bool = quantity(False, "1", "whether the path returns to its first point")
 
     def sized(self, limits: Pair, accel: Pair) -> Mapping[str, float]:
-        """Speeds and their rates that leave the limits room."""
+        """Speeds and their rates that leave a margin to the limits."""
         speed, turning = (0.5 * limit for limit in limits)
         rates = (min(v / RISE, a) for v, a in zip((speed, turning), accel, strict=True))
         own = dict(zip(("a_max", "alpha_max"), rates, strict=True))
@@ -115,7 +115,7 @@ class Waypoints(Reference):
 
 @lru_cache(maxsize=64)
 def waypoint_path(reference: Waypoints) -> spline.SplinePath:
-    """Return the path of waypoints; its parameter is its length, nearly.
+    """Return the path of waypoints, with nearly its length as the parameter.
 
     Raises ScenarioError if the points do not make a path that can be driven forwards.
     """
@@ -140,7 +140,10 @@ def waypoint_path(reference: Waypoints) -> spline.SplinePath:
 
 @lru_cache(maxsize=64)
 def profile_of(reference: Waypoints) -> SpeedProfile:
-    """Return how the path's parameter grows in time.  Raises ScenarioError as its path does."""
+    """Return the path's parameter as a function of time.
+
+    Raises ScenarioError as `waypoint_path` does.
+    """
     limits = PathLimits(
         speed=reference.speed if reference.v_max is None else reference.v_max,
         turning=reference.omega_max,
@@ -172,7 +175,7 @@ def _checked_points(reference: Waypoints) -> spline.Array:
 
 
 def _thinned(points: spline.Array, within: float, closed: bool) -> spline.Array:
-    """The points that a path within a distance ``within`` [m] of all points needs."""
+    """The points that a path within the distance ``within`` [m] of all points needs."""
     left = spline.simplified(points, within, closed)
     if _least(closed) <= len(left) <= MOST_POINTS:
         return left
@@ -205,7 +208,7 @@ def _check_count(count: int, closed: bool, tolerance: float | None) -> None:
 
 
 def _check_forward(path: spline.SplinePath, points: spline.Array) -> None:
-    """Refuse a path that nearly stops to turn; otherwise theta_d's branch is unambiguous."""
+    """Refuse a path that nearly stops to turn, since the branch of theta_d would be ambiguous."""
     velocity = path.derivatives(1, np.linspace(0, 1, spline.SAMPLES + 1))
     share = np.hypot(velocity[..., 0], velocity[..., 1])
     theta = spline.headings(path.coefficients)

@@ -47,8 +47,8 @@ class Rank(IntEnum):
 class Found:
     """A value that a file states.
 
-    ``key``: that of a scenario, with [1] or [2] for an axis; or "ros." and a
-    parameter or topic of this project's nodes.  ``source``: file and place in it, in words.
+    ``key``: a scenario's key, with [1] or [2] for an axis, or "ros." and a parameter or topic of
+    this project's nodes.  ``source``: file and place in it, as text.
     """
 
     key: str
@@ -82,8 +82,8 @@ class Sheet:
 def merged(items: Sequence[Found]) -> Sheet:
     """Choose the first value of each key by rank, then by order; apply multipliers to lengths.
 
-    A base brakes as it accelerates, and its limit backwards is that forwards, unless a file states
-    otherwise.  Both axes of a pair are stored under the pair's key if both are known.
+    Unless a file states otherwise, a base brakes as fast as it accelerates, and its backward limit
+    equals the forward one.  Both axes of a pair are stored under the pair's key if both are known.
     """
     factors = {item.key: item for item in reversed(items) if item.key.endswith("factor")}
     found: dict[str, Found] = {}
@@ -112,7 +112,7 @@ def merged(items: Sequence[Found]) -> Sheet:
 
 
 def _join_sides(found: dict[str, Found]) -> None:
-    """Put one limit in the place of both directions' where they are the same on every axis."""
+    """Replace both directions' limits by one limit if they are equal on every axis."""
     known = list[tuple[Found, Found]]()
     for axis in (1, 2):
         ends = f"{TOP}[{axis}]", f"{LEAST}[{axis}]"
@@ -177,7 +177,7 @@ def _is_name(value: object) -> TypeGuard[bool | str]:
 
 
 def _combined(key: str, stated: dict[str, float], where: str, rank: Rank) -> Iterator[Found]:
-    """One value for all that are stated for a key, with a note if they differ."""
+    """One value from all that are stated for a key, with a note if they differ."""
     slowest, backward = key.startswith(PAIRS), key.startswith(LEAST)
     for name, value in stated.items():
         if value < 0 and (not slowest or key.startswith(TOP)):
@@ -196,7 +196,7 @@ def _combined(key: str, stated: dict[str, float], where: str, rank: Rank) -> Ite
 
 
 def number(value: object, place: str) -> float | None:
-    """A finite number; None if the file leaves it open, as by ``.nan``.
+    """A finite number; None if the file leaves it unstated, as by ``.nan``.
 
     Raises ScenarioError for anything else, such as a substitution.
     """

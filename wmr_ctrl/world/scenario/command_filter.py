@@ -33,11 +33,11 @@ class Filter(Section, key="filter"):
     """Filter of commanded velocities that keeps |v1|, |omega| within limits.v_u1.
 
     The base follows its command by a first-order lag: tau v' = K u + d - v, whose time constant,
-    gain and push are anywhere within their intervals and may vary. Samples are clock.control apart.
-    ``clip`` needs the upper end of ``gain`` and ``d`` alone, and is valid for every base that never
-    overshoots; ``governor`` needs all of them, and uses odometry to allow more speed. One interval
-    applies to both axes; of two, the first is for v and the second for omega, as `intervals` gives
-    them.
+    gain and push are anywhere within their intervals and may vary.  Samples are clock.control
+    apart.  ``clip`` needs only the upper end of ``gain`` and ``d``, and is valid for every base
+    that never overshoots.  ``governor`` needs all of them, and uses odometry to allow more speed.
+    One interval applies to both axes; of two, the first is for v and the second for omega, as
+    `intervals` gives them.
     """
 
     kind: str = quantity("none", "1", "how commands are limited", options=FILTERS)
@@ -185,7 +185,9 @@ class Filter(Section, key="filter"):
 
     @property
     def is_told(self) -> bool:
-        """True if steps are told limits or distances, or the base's brake is counted on."""
+        """True if steps receive limits or distances, or if the filter relies on the base's
+        brake.
+        """
         told = self.changing or self.free_error is not None or self.rest is not None
         return told and self.kind != "none"
 
@@ -201,13 +203,13 @@ class Filter(Section, key="filter"):
         return low, high
 
     def intervals(self, name: str) -> tuple[Pair, Pair]:
-        """Bounds called ``name`` of v and of omega, which `relate` has seen."""
+        """Bounds called ``name`` of v and of omega, which `relate` has checked."""
         stated = getattr(self, name)
         linear, angular = stated if is_by_axis(stated) else (stated, stated)
         return linear, angular
 
     def each(self, name: str, change: Callable[[Pair], Pair]) -> Intervals:
-        """Value of ``name`` with a change made to its interval, or to both."""
+        """Value of ``name`` after a change to its interval, or to both intervals."""
         linear, angular = map(change, self.intervals(name))
         return (linear, angular) if is_by_axis(getattr(self, name)) else linear
 
@@ -217,7 +219,9 @@ class Filter(Section, key="filter"):
         return f"filter.{name}{own}[{end}]"
 
     def _relate_axes(self) -> None:
-        """Raise ScenarioError for bounds by axis if wheels are limited: these take part in both."""
+        """Raise ScenarioError for separate bounds of the axes if wheels are limited, which move
+        both.
+        """
         apart = [name for name in BY_AXIS if is_by_axis(getattr(self, name))]
         apart += ["loop"] * (self.loop[0] != self.loop[1])
         wheels = "channels" if self.channels == "wheels" else "wheel_speed" * bool(self.wheel_speed)
@@ -229,7 +233,9 @@ class Filter(Section, key="filter"):
             )
 
     def _relate_told(self) -> None:
-        """Raise ScenarioError where limits or distances cannot be told while the base drives."""
+        """Raise ScenarioError if the filter cannot use limits or distances received during a
+        run.
+        """
         told = {"changing": self.changing, "free_error": self.free_error is not None}
         name = next((key for key, is_told in told.items() if is_told), "rest")
         kinds = ("governor",) if name == "rest" else ("governor", "clip")
@@ -278,7 +284,7 @@ class Filter(Section, key="filter"):
             )
 
     def _relate_ramps(self) -> None:
-        """Raise ScenarioError where a clip cannot stop in time."""
+        """Raise ScenarioError if a clip cannot stop in time."""
         if self.decel is None:
             raise ScenarioError(
                 'filter.decel is missing: filter.kind = "clip" with filter.free_error stops in '

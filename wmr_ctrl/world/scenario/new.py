@@ -48,8 +48,8 @@ TABLES = (
 class NewScenario:
     """Text of a scenario, and which of its values were found, assumed (our choices) or unknown.
 
-    ``unused``: values in files for keys that this base lacks, or that others overruled.  ``nodes``:
-    parameters and topics for the ROS 2 nodes.
+    ``unused``: values in files for keys that this base lacks, or that other files overruled.
+    ``nodes``: parameters and topics for the ROS 2 nodes.
     """
 
     text: str
@@ -63,7 +63,7 @@ class NewScenario:
 def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
     """The scenario of a base that takes "velocity" or "torque" commands.
 
-    Raises ScenarioError where a value of a file is impossible.
+    Raises ScenarioError if a value of a file is impossible.
     """
     sheet = _with_room(sheet, ROOM[base])
     values = _values(sheet, base)
@@ -83,7 +83,7 @@ def new_scenario(sheet: Sheet, base: str, title: str) -> NewScenario:
 
 
 def _with_room(sheet: Sheet, share: float) -> Sheet:
-    """The sheet with limits backwards that leave a push what it may do."""
+    """The sheet with backward limits that leave room for the speed that a push may cause."""
     found = dict(sheet.found)
     for key in [key for key in found if key.startswith(LEAST)]:
         top, least = found[key.replace(LEAST, TOP)], found[key]

@@ -33,9 +33,9 @@ Step = str | int
 
 
 def from_dict(raw: Mapping[str, object], name: str = "unnamed") -> Scenario:
-    """Return the scenario of a raw dictionary; keys that are left out take their defaults.
+    """Return the scenario of a raw dictionary; omitted keys take their defaults.
 
-    Raises ScenarioError (UnknownKeyError for a key), the message starting with the key's path.
+    Raises ScenarioError (UnknownKeyError for a key); the message starts with the key's path.
     """
     if not isinstance(raw, Mapping):
         raise ScenarioError("A scenario must be a table of tables.")
@@ -151,8 +151,8 @@ def _changes(raw: object) -> tuple[Change, ...]:
 def scenario_dict(scenario: Scenario) -> Raw:
     """Return all of a scenario except its name, as plain values; omitted fields are missing.
 
-    ``from_dict(scenario_dict(s), s.name) == s`` for every scenario; orientations that are not from
-    a file with ``frames = "rep103"`` then have rounding errors.
+    ``from_dict(scenario_dict(s), s.name) == s`` for every scenario.  With ``frames = "rep103"``,
+    orientations that are not from a file then have rounding errors.
     """
     raw: Raw = {"title": scenario.title}
     if scenario.law is not None:
@@ -227,10 +227,10 @@ def _copied(value: object) -> object:
 
 
 def merge(base: Mapping[str, object], over: Mapping[str, object]) -> Raw:
-    """Return ``base`` with ``over`` put on top: tables key by key, everything else as a whole.
+    """Return ``base``, overridden by ``over``: tables key by key, everything else as a whole.
 
-    Another ``reference.kind`` replaces the whole reference.  A shorter ``clock.duration`` drops
-    the base's changes that the run no longer reaches.  What ``over`` states is no longer assumed.
+    Another ``reference.kind`` replaces the whole reference.  A shorter ``clock.duration`` drops the
+    base's changes that the run no longer reaches.  Keys stated in ``over`` are no longer assumed.
     """
     result = _over(base, over)
     _no_longer_assumed(result, base.get("assumed"), stated_in(over), over.get("assumed"))
@@ -431,7 +431,7 @@ def _requires(table: str) -> bool:
 
 
 def _list_at(place: object, step: Step, is_table: bool, fresh: object, key: str) -> list[object]:
-    """The list with the index ``step``, perhaps extended by ``fresh`` as a new last table."""
+    """The list with the index ``step``, if necessary extended by ``fresh`` as a new last table."""
     if isinstance(step, int) and isinstance(place, list):
         if step == len(place) and is_table:
             place.append(fresh)

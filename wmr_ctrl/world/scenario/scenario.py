@@ -100,16 +100,16 @@ def sections() -> dict[str, type[Section]]:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Scenario:
-    """A robot, what its laws believe, limits, gains, a start, a reference, and what disturbs it.
+    """A robot, its laws' model, limits, gains, a start, a reference, and disturbances.
 
-    It must state limits.v_u1, a reference, and of the robot what its base needs (`unstated`); all
-    other defaults belong to no robot. SI units. ``gains`` holds those that the scenario names, by
-    law and gain; numbers are floats, arrays tuples of floats. A law's other gains are the law's own
-    defaults. ``effects`` holds the sections of effects that have a table of their own, by its key;
-    see `section`. ``frames`` says how files, tables and runs state orientations: "paper" (0 along
-    +Y) or "rep103" (0 along +X). The fields here are the paper's in either. ``assumed`` names keys,
-    such as "limits.v_u1", whose values nobody stated. ``law`` is the law to use if a caller names
-    none; see `wmr_ctrl.control.given.default_law`.
+    It must state limits.v_u1, a reference, and the robot's numbers that its base needs
+    (`unstated`); all other defaults belong to no robot.  SI units.  ``gains`` holds the stated
+    gains, by law and gain; numbers are floats, arrays tuples of floats.  A law's other gains are
+    the law's own defaults.  ``effects`` holds the sections of effects that have their own table, by
+    its key; see `section`.  ``frames`` says how files, tables and runs state orientations: "paper"
+    (0 along +Y) or "rep103" (0 along +X).  The fields here follow the paper in either case.
+    ``assumed`` names keys, such as "limits.v_u1", whose values nobody stated.  ``law`` is the law
+    to use if a caller names none; see `wmr_ctrl.control.given.default_law`.
     """
 
     name: str = "unnamed"
@@ -170,10 +170,10 @@ class Scenario:
         return table_html(repr(self)[1:-1], rows, ("field", "value", "unit", "meaning"))
 
     def gains_by_law(self) -> Mapping[str, Section]:
-        """The gains in effect, by law: those of the scenario, for the others the law's defaults.
+        """The gains in effect, by law: the scenario's, and the law's defaults for unstated ones.
 
-        ``kinematics`` has those of Eq. (7). Raises ScenarioError or UnknownNameError if ``gains``
-        contains an unknown name.
+        ``kinematics`` has the gains of Eq. (7).  Raises ScenarioError or UnknownNameError if
+        ``gains`` contains an unknown name.
         """
         return cast("Mapping[str, Section]", late_bound("gains_by_law")(self))
 
@@ -207,7 +207,7 @@ class Scenario:
 
     @checks_arguments
     def table(self, key: str) -> Section:
-        """The section of the table ``key``, with its defaults where the scenario has none.
+        """The section of the table ``key``, with its defaults for keys that the scenario omits.
 
         ``model`` gives the complete robot that the laws assume.  Raises UnknownNameError.
         """
@@ -331,7 +331,7 @@ def _relate(scenario: Scenario) -> None:
 
 
 def multiples() -> Iterator[tuple[str, str, int]]:
-    """Keys of times, the time of which each is a multiple, and the largest factor (0: any)."""
+    """Keys of times, the time of which each must be a multiple, and the largest factor (0: any)."""
     for part in dict.fromkeys(effect.section.KEY for effect in EFFECTS):
         for name, what in quantities(sections()[part]):
             if what.multiple_of:

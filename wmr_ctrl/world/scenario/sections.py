@@ -56,9 +56,9 @@ class Model(Section, key="model"):
 
 
 class Body(Section, key="body"):
-    """Rigid-body parameters beside mass, inertia, friction, wheels and track of [robot].
+    """Rigid-body parameters in addition to mass, inertia, friction, wheels and track of [robot].
 
-    The plane model does not read it.  Casters slide without friction.  What is left out is in
+    The plane model does not read it.  Casters slide without friction.  Omitted values are in
     proportion to the robot: height 1.2 r, caster 1.2 l, wheel_width 0.4 r, wheel_mass 0.03 m.
     """
 
@@ -114,7 +114,7 @@ class World(Section, key="world"):
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
-        """All that stands there."""
+        """All obstacles of this table."""
         return (*self.obstacles, *((self.wall,) if self.wall else ()))
 
 
@@ -129,8 +129,8 @@ class Ros(Section, key="ros"):
 class Limits(Section, key="limits"):
     """Velocity limits v_u1 and barrier thresholds v_u2 (linear, angular), Eqs. (10)-(20).
 
-    ``v_min`` and ``v_max`` limit both directions apart, within v_u1, which is then what laws scale
-    with; v_u1 that is left out is the larger of both.
+    ``v_min`` and ``v_max`` limit the two directions separately, within v_u1, which is the scale for
+    laws.  An omitted v_u1 is the larger of both.
     """
 
     v_u1: Pair = quantity(unknown((1.0, 1.0)), "m/s, rad/s", "limits of |v1| and |omega|", above=0)
@@ -174,7 +174,7 @@ class Limits(Section, key="limits"):
 
     @property
     def apart(self) -> bool:
-        """True where a direction is limited by itself."""
+        """True if a direction has its own limit."""
         return not (isinstance(self.v_min, Unstated) and isinstance(self.v_max, Unstated))
 
     @property
@@ -189,12 +189,12 @@ class Limits(Section, key="limits"):
 
     @property
     def smaller(self) -> Pair:
-        """Speeds within the limits in both directions."""
+        """For each axis the smaller of both directions' limits."""
         v, omega = (min(-self.v_min[i], self.v_max[i]) for i in (0, 1))
         return v, omega
 
     def narrow(self, axis: int) -> tuple[str, float]:
-        """Key and value of the smaller limit of an axis, from 0."""
+        """Key and value of the smaller limit of an axis; axes count from 0."""
         return self.side(axis, 1 if self.smaller[axis] == self.v_max[axis] else -1)
 
     def side(self, axis: int, way: float) -> tuple[str, float]:
@@ -210,7 +210,7 @@ class Limits(Section, key="limits"):
         return linear, angular
 
     def _relate_sides(self) -> None:
-        """Derive unstated ones of v_u1, v_min and v_max; ScenarioError for impossible ones."""
+        """Derive the unstated ones of v_u1, v_min and v_max; ScenarioError for impossible ones."""
         stated = [side for side in (self.v_min, self.v_max) if not isinstance(side, Unstated)]
         if isinstance(self.v_u1, Unstated) and stated:
             larger = derived(max(map(abs, pair)) for pair in zip(*stated, strict=True))
@@ -251,8 +251,8 @@ class Initial(Section, key="initial"):
 class Clock(Section, key="clock"):
     """Control period (zero-order hold), plant step (RK4) and duration of a run.
 
-    Without a duration a run ends 2 s after the desired motion comes to rest, or after 60 s where
-    it never does.
+    Without a duration a run ends 2 s after the desired motion comes to rest, or after 60 s if it
+    never does.
     """
 
     control: float = quantity(0.01, "s", "period of the control law", minimum=1e-9, usual=(1e-4, 1))
@@ -291,8 +291,8 @@ class Clock(Section, key="clock"):
 class Metrics(Section, key="metrics"):
     """Split of a run into before and after, start of the torque's RMS, tolerance of tracking.
 
-    The default tolerance is what a doorway leaves: 0.2 robot.l, or where that is not stated the way
-    of 0.05 s at limits.v_u1.
+    The default tolerance suits a doorway: 0.2 robot.l or, if robot.l is unstated, the distance
+    driven in 0.05 s at limits.v_u1.
     """
 
     split: float | None = quantity(
@@ -361,9 +361,9 @@ class Guard(Section, key="guard"):
 
     Omitted values are derived from the rest of the scenario: masses from the laws' model of the
     robot, dbar from the noise, nbar from the sensor, delay and lag from the drives, alpha from the
-    control period, brake from the torque limit. Whether the settings can be met is checked where
-    the guard is built, and there a stated bound that the scenario itself breaks is refused, unless
-    ``trust`` says that it is meant. A robot that is not what is believed is run, without promise.
+    control period, brake from the torque limit.  Building the guard checks whether the settings can
+    be met.  A stated bound that the scenario itself breaks is refused there, unless ``trust``
+    permits it.  A robot that differs from the believed one is run, without promise.
     """
 
     enabled: bool = quantity(False, "1", "switch the guard on")
@@ -421,12 +421,16 @@ class Guard(Section, key="guard"):
     )  # fmt: skip
 
     def masses(self, m: float, inertia: float) -> tuple[Pair, Pair]:
-        """Smallest, largest mass and inertia [kg, kg m2]: stated, or of a model by mass_margin."""
+        """Smallest, largest mass and inertia [kg, kg m2]: stated, or from a model by
+        mass_margin.
+        """
         low, high = 1.0 - self.mass_margin, 1.0 + self.mass_margin
         return self.M_min or (low * m, low * inertia), self.M_max or (high * m, high * inertia)
 
     def relate(self) -> None:
-        """Check that bounds are ordered: M_min <= M_max if both are there, delay and lag."""
+        """Check the order of bounds: M_min <= M_max if both are stated, and those of delay and
+        lag.
+        """
         check_intervals(self, {"delay": "a command's delay", "lag": "the time constant"})
         pairs = zip(self.M_min or (), self.M_max or (), strict=False)
         for axis, (low, high) in enumerate(pairs, 1):

@@ -69,7 +69,7 @@ def title_of(scenario: Scenario) -> str:
 
 
 def _no_scenario(name: str) -> ScenarioError:
-    """Error for a file's name that does not end in .toml."""
+    """Error for a file whose name does not end in .toml."""
     return ScenarioError(f"{name} must end in {_SUFFIX}: a scenario is a TOML file.")
 
 
@@ -110,7 +110,7 @@ def load_scenario(name_or_path: AnyPath, overrides: Mapping[str, object] | None 
 def naming_file(source: object, overrides: Iterable[str] = ()) -> Iterator[None]:
     """Context that appends the file's name to an error, unless an override caused it.
 
-    ``source`` may be something else than a file's path; then nothing is added.
+    If ``source`` is not a file's path, nothing is appended.
     """
     try:
         yield
@@ -219,7 +219,9 @@ def raw_of(source: str) -> Raw:
 
 
 def notes(source: str) -> dict[str, str]:
-    """Comments beside the keys of a preset or file and of its bases; the nearest file counts."""
+    """Comments beside the keys of a preset or file and of its bases; the nearest file takes
+    precedence.
+    """
     text = read_text(Path(source), "scenario") if is_path(source) else _preset_text(source)
     document, found = tomlkit.parse(text), dict[str, str]()
     if base := document.get("extends"):
@@ -238,7 +240,7 @@ def stated_keys(source: str, overridden: Iterable[str] = ()) -> set[str]:
 
 
 def _stated(file: Path) -> set[str]:
-    """Keys of a file and of the files that it extends; it has been loaded before."""
+    """Keys of a file that was loaded before, and of the files that it extends."""
     raw = _parse(read_text(file, "scenario"), file)
     keys = stated_in(raw)
     base = raw.get("extends")
@@ -261,10 +263,10 @@ def to_toml(
 ) -> str:
     """Return TOML text that loads back to an equal scenario (the name is the file's).
 
-    ``gains_docs`` has the laws' gains: those that the scenario does not name are then printed, too,
-    with their defaults, so that the text holds every gain of a run. ``only``: keys that are
-    written, beside those whose values are not the defaults. ``marked``: comments on values that are
-    no defaults begin with `MARK`.
+    ``gains_docs``: the laws' gains; those that the scenario does not state are then also written,
+    with their defaults, so that the text holds every gain of a run.  ``only``: keys to write, in
+    addition to those whose values differ from the defaults.  ``marked``: comments on values that
+    differ from the defaults begin with `MARK`.
     """
     mark = f"{MARK} " * marked
     raw: dict[str, Any] = scenario_dict(scenario)
@@ -331,7 +333,7 @@ def scenario_hash(scenario: Scenario) -> str:
 
 
 def _sparse(raw: Mapping[str, Any], scenario: Scenario, only: Container[str]) -> dict[str, Any]:
-    """The keys in ``only``, and those whose values are not the defaults."""
+    """The keys in ``only``, and those whose values differ from the defaults."""
     kind = {"kind": scenario.reference_kind.name}
     defaults: Raw = with_defaults({"frames": scenario.frames, "reference": kind}, raw)
     sparse: dict[str, Any] = {}

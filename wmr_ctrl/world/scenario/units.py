@@ -1,4 +1,4 @@
-"""Values of a scenario whose unit looks mistaken, each as a question."""
+"""Questions about values of a scenario whose unit looks mistaken."""
 
 import math
 from collections.abc import Iterator
@@ -50,7 +50,7 @@ def _inertia(robot: Robot) -> Iterator[tuple[str, str]]:
 
 
 def _way(reference: Waypoints) -> Iterator[tuple[str, str]]:
-    """Ask about the points of a path that is very long, or that takes very long."""
+    """Ask about the points of a path that is very long, or takes very long."""
     length, time = sum(math.dist(a, b) for a, b in pairwise(reference.points)), reference.arrival
     if length > USUAL["m"][1]:
         asked = meant(float(f"{length:.4g}"), "m", USUAL["m"])

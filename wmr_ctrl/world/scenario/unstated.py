@@ -29,7 +29,7 @@ def missing_keys(scenario: "Scenario") -> tuple[str, ...]:
 
 
 def unknown_keys(scenario: "Scenario") -> tuple[str, ...]:
-    """Unstated keys of [robot], on which nothing in the loop depends."""
+    """Unstated keys of [robot]; nothing in the loop depends on them."""
     values = vars(scenario.robot).items()
     return tuple(f"robot.{name}" for name, value in values if isinstance(value, Unknown))
 
@@ -62,11 +62,11 @@ def missing_text(keys: tuple[str, ...], known: Mapping[str, type[Section]]) -> s
 
 
 def needed_of_robot(scenario: "Scenario") -> list[str]:
-    """Keys of [robot] on which the loop depends, whichever law drives.
+    """Keys of [robot] that the loop depends on with any law.
 
-    A base that takes torques depends on all of them. One that takes velocities follows its command
-    whatever its mass, unless its loop is a PI loop or something exerts or limits a force; beyond
-    that it depends on what the graphs of sensors and commands read.
+    A base that takes torques depends on all of them.  One that takes velocities follows its command
+    for any mass, unless its loop is a PI loop or an effect exerts or limits a force.  It also
+    depends on the keys that the graphs of sensors and commands read.
     """
     unknown = list(unknown_keys(scenario))
     if not unknown or not scenario.takes_velocity:
@@ -86,7 +86,7 @@ FORCING = (EffectRole.DISTURBANCE, EffectRole.DRIVE, EffectRole.LOOP)
 
 
 def following(scenario: "Scenario") -> Iterator[tuple[str, Section]]:
-    """Yield the tables with omitted values, which are derived from other tables."""
+    """The tables with omitted values, which are derived from other tables."""
     robot, clock, initial = scenario.robot, scenario.clock, scenario.initial
     room = (0.05, scenario.limits.v_u1[0]) if isinstance(robot.l, Unknown) else (0.2, robot.l)
     yield from _replaced(
