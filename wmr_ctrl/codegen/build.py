@@ -86,7 +86,7 @@ def build_batch(setup: Setup) -> CompiledLoop:
 def build_gpu(setup: Setup) -> CompiledLoop:
     """The loop's text for a graphics processor, from that of `build_batch`, in the cache.
 
-    It is compiled on the machine that runs it.  Raises CacheError if it cannot be stored.
+    The machine that runs it also compiles it.  Raises CacheError if it cannot be stored.
     """
     program = program_of(setup)
     text = one_text(GPU, program.generated_lanes)
@@ -196,7 +196,7 @@ def _numbered(
     """A CompiledLoop of a library, with a setup's numbers in the layout's order.
 
     ``texts``: library, its hash and that of its structure.  The state at t = 0 has the scenario's
-    pose and velocity, then the graphs' own values.
+    pose and velocity, and the graphs' own values for the rest.
     """
     first, initial = numbers_of(setup, layout.parameters), setup.scenario.initial
     steps, rows = zip(*phases_of(setup, layout.parameters, first), strict=True)

@@ -1,10 +1,10 @@
-"""Build cache on disk: one folder per library, named by the content that went into it.
+"""Build cache on disk: one folder per library, named by a hash of the library's inputs.
 
-The cache's folder may only be writable by its user, since code is loaded from it. An entry is built
-in a folder of its own beside the others and then renamed, so a reader sees a whole entry or none: a
-compiler that fails or is killed leaves nothing behind. Of several processes or threads that ask for
-one entry the first builds it and the others wait; on a drive without locks they all build, and the
-slower ones discard their copies.
+Only its user may be able to write to the cache's folder, since code is loaded from it.  An entry is
+built in a separate folder beside the others and then renamed, so a reader sees a whole entry or
+none: a compiler that fails or is killed leaves nothing behind.  If several processes or threads
+need one entry, the first builds it and the others wait.  On a drive without locks they all build,
+and the slower ones discard their copies.
 
 Layout: ``<cache>/kernels/<key>/{sources, library, stamp.json}``, ``<cache>/locks/<key>``,
 ``<cache>/text/<key>.c``, and ``<cache>/zig/`` for the files that zig keeps for itself.
@@ -147,8 +147,8 @@ def build_cached(
 
     ``sources``, all that the build reads, are written into the entry's folder; ``compile_in`` is
     called with that folder (absolute), compiles, and returns the library's path inside it.  ``key``
-    is what else decides its content: compiler, version, flags.  Its size and SHA-256 were checked
-    once in this process; a damaged entry is built anew.
+    has the other inputs: compiler, version, flags.  Its size and SHA-256 are checked once in this
+    process; a damaged entry is built anew.
 
     Raises CompilerError if compiling fails; its kind CacheError if the folder cannot be written (a
     full disk, say).
@@ -169,7 +169,7 @@ def build_cached(
 def cached_text(key: str, write: Callable[[], str]) -> str:
     """The cached C text of a key; a new one if it is missing or incomplete.
 
-    A folder that cannot be written is no error here.
+    A folder that cannot be written is not an error here.
     """
     path = cache_part("text") / f"{key}.c"
     with suppress(OSError):
@@ -186,7 +186,7 @@ def cached_text(key: str, write: Callable[[], str]) -> str:
 
 
 def content_key(sources: Sources, key: Sequence[str] = ()) -> str:
-    """SHA-256 (hex) over file names and texts, ``key`` and the platform, free of ambiguity."""
+    """Unambiguous SHA-256 (hex) over file names and texts, ``key`` and the platform."""
     machine = (sys.platform, platform.machine(), str(8 * struct.calcsize("P")))
     parts: list[str | bytes] = [_LAYOUT, *machine, str(len(key)), *key]
     for name in sorted(sources):
@@ -203,7 +203,7 @@ def _as_bytes(text: str | bytes) -> bytes:
 
 
 def _intact(entry: Path) -> Path | None:
-    """Return the entry's library if it is the file that was stamped, else None."""
+    """Return the entry's library if it equals the file that was stamped, else None."""
     try:
         stamp = json.loads((entry / _STAMP).read_bytes())
         library = entry / stamp["library"]

@@ -1,8 +1,8 @@
-"""Call a C compiler on C files: flags, temporary files, and its messages when it fails.
+"""Caller of a C compiler: flags, temporary files, and messages if it fails.
 
 The flags keep every floating-point value as written: no fast-math, no contraction to fused
-multiply-add, no reassociation. ``errno`` and exception flags are not maintained, since nobody reads
-them. A command runs to its end, or is killed with everything that it started.
+multiply-add, no reassociation.  ``errno`` and exception flags are not maintained, since nobody
+reads them.  A command runs to its end, or is killed with everything that it started.
 """
 
 import contextlib
@@ -161,7 +161,9 @@ class Toolchain:
         return (*self.command, self.version, *self.flags, *processor, *linking)
 
     def with_flags(self, *flags: str) -> "Toolchain":
-        """Return the same compiler with further flags; of contradicting ones the last wins."""
+        """Return the same compiler with further flags; if flags contradict each other, the last one
+        wins.
+        """
         return replace(self, flags=(*self.flags, *flags))
 
     def for_this_processor(self) -> "Toolchain":
@@ -177,7 +179,7 @@ class Toolchain:
 
 
 def is_zig(command: Sequence[str]) -> bool:
-    """Return whether a compiler's command is some way to call ``zig cc``."""
+    """Return whether a compiler's command calls ``zig cc`` in some way."""
     return command[-1] == "cc" and len(command) > 1 and "zig" in Path(command[-2]).stem
 
 

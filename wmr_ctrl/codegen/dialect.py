@@ -48,9 +48,9 @@ class Dialect:
     """Types and patterns of one way to write C, and the header that has its functions.
 
     ``exp_batch``: independent exponentials are computed side by side, in arrays of multiples of
-    this size; 0: one by one.  ``packs_stores``: single operations that fill an array do so four at
-    a time.  ``pairs_sines``: sine and cosine of one angle are one call.  ``plain``: every operation
-    is one line, without loops and branches.
+    this size; 0: one by one.  ``packs_stores``: single operations that fill an array are written
+    four at a time.  ``pairs_sines``: sine and cosine of one angle are one call.  ``plain``: every
+    operation is one line, without loops and branches.
     """
 
     header: str

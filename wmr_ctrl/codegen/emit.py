@@ -2,8 +2,8 @@
 
 CasADi's own generator reads each operand through a pointer that may be null and may alias the
 results, evaluates both sides of every choice, and knows no loops.  This one reads the same graph
-(`world.model.graph`) and computes beforehand what is slow and depends on the parameters alone.  It
-makes branches of expensive choices (`items`) and loops of runs of like operations (`reroll`), and
+(`world.model.graph`) and computes slow values that depend only on parameters beforehand.  It makes
+branches of expensive choices (`items`) and loops of runs of similar operations (`reroll`), and
 writes them (`body`) in one of two dialects.  A test compares all of it with CasADi's virtual
 machine.
 """
@@ -44,8 +44,9 @@ PREPARED = "c"
 class Kernel:
     """One C function: its name, its purpose, its graph, and the C names of its vectors.
 
-    ``prepared``: slow values that depend only on parameters are computed by a second function,
-    wmr_NAME_prepare, when parameters are set.  ``whole``: so are all values that do.
+    ``prepared``: a second function, wmr_NAME_prepare, computes slow values that depend only on
+    parameters, when parameters are set.  ``whole``: it computes all values that depend only on
+    parameters.
     """
 
     name: str
@@ -119,7 +120,7 @@ def length(item: Kernel) -> str:
 def framed(
     item: Kernel, signature: str, graph: Graph, names: Iterable[str], lines: Sequence[str]
 ) -> str:
-    """A C function with these lines; vectors of ``names`` that no line uses are marked unused."""
+    """A C function with these lines; unused vectors among ``names`` are marked as such."""
     text = "\n".join(lines)
     unused = [f"    (void){name};" for name in names if f"{name}[" not in text]
     head = f"/* {item.meaning}\n   {_operations(graph)} operations. */\n"
@@ -155,7 +156,7 @@ def split(graph: Graph, *, whole: bool = False) -> tuple[Graph, Graph]:
 
 
 def _wanted(graph: Graph, whole: bool) -> list[int]:
-    """Slow (or all) parameter-only values that changing values or results read, by kind."""
+    """Slow (with ``whole``: all) parameter-only values that changing values or results read."""
     kind, slow = graphs.kinds(graph.nodes), list[bool]()
     for number, node in enumerate(graph.nodes):
         slow.append(graph.cost(number) > 1 or any(slow[k] for k in node.operands))

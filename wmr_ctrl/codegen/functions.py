@@ -33,7 +33,7 @@ class StreamNumbers:
 class LoopFunctions:
     """A loop's graphs as functions that CasADi evaluates in place, with a scenario's numbers.
 
-    ``sample``: from (k, x, p, draws) to the next slow state, what is held, and the log's row;
+    ``sample``: from (k, x, p, draws) to the next slow state, the held values, and the log's row;
     ``step``: from (step, held, fast state, p, draws) to the next fast state; ``sampled`` and
     ``stepped``: streams of both rates; ``limits``: those of CLOCK, beyond which a step counts.
     """

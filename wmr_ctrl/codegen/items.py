@@ -14,7 +14,9 @@ from wmr_ctrl.world.model.graph import SELECT, Graph, Store
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """A statement: the values that it defines and those (no constants, no inputs) that it reads."""
+    """A statement: the values that it defines and those that it reads (except constants and
+    inputs).
+    """
 
     defines: tuple[int, ...]
     reads: frozenset[int]
@@ -108,7 +110,7 @@ def computed(graph: Graph, numbers: Iterable[int]) -> frozenset[int]:
 
 
 def scheduled(items: Sequence[Item]) -> list[Item]:
-    """Reorder items such that each one is as late as possible, just before its first reader.
+    """Reorder items so that each is as late as possible, just before its first reader.
 
     The last items keep their order, so that results stay in place.
     """
@@ -162,8 +164,8 @@ def branched(
 class _Scope:
     """Items in order, the maker of each value, its number of readers, the choices by condition.
 
-    ``kept`` are the items that make a value which is read outside; ``uses`` counts each reader of
-    an item once per value that it reads; ``choices`` are single lines.
+    ``kept``: items whose value is read outside.  ``uses``: number of readers of an item, each
+    counted once per value that it reads.  ``choices``: single lines.
     """
 
     def __init__(self, graph: Graph, items: list[Item], outside: frozenset[int]) -> None:

@@ -91,7 +91,7 @@ def controller_kernel(system: System, name: str = "controller") -> Kernel:
 
 
 def way_kernel() -> Kernel:
-    """Ways of a disc ahead and behind to a point: its place, the window, the radius."""
+    """Distance of a disc ahead and behind to a point: the point, the window, the radius."""
     u = ca.SX.sym("u", 5)
     x, y, left, right, radius = ca.vertsplit(u)
     ways = [way_to_point((x, y), (left, right), radius, sense) for sense in (1, -1)]
@@ -107,7 +107,7 @@ def loop_constants(loop: LoopGraphs) -> Mapping[str, int | str]:
 
 
 def findings_of(loop: Graphs) -> tuple[str, ...]:
-    """FINDINGS of a loop, with GAP where it has obstacles."""
+    """FINDINGS of a loop, with GAP if it has obstacles."""
     return (*FINDINGS, *_gap(loop))
 
 

@@ -93,9 +93,10 @@ def package_files(
 ) -> dict[str, str]:
     """File name to text of the package of ``law`` with the numbers of ``scenario`` as defaults.
 
-    The law "filter" is the command filter of a scenario that has one; a law of a base that takes
-    velocities has that filter inside.  ``counting``: where the scenario has encoders, it is given
-    counts, not velocities.  ``layout``: one of LAYOUTS, None for a folder without tool.
+    The law "filter" is the command filter of a scenario that has one; the package of a law for a
+    base that takes velocities contains that filter.  ``counting``: if the scenario has encoders,
+    the inputs are counts instead of velocities.  ``layout``: one of LAYOUTS, None for a folder
+    without tool.
 
     Raises ScenarioError or UnknownNameError as building the law does, ArgumentError for encoders
     whose velocity needs more than counts.
@@ -249,7 +250,7 @@ def _signals(items: Iterable[Port | Output]) -> list[Signal]:
 
 
 def _margin(scenario: Scenario, filters: bool) -> float:
-    """Share of the limits that a single-precision package keeps as a margin."""
+    """Share of the limits that a single-precision package subtracts as a margin."""
     banded = filters and scenario.filter.kind == "band"
     return single_precision.BAND_MARGIN if banded else single_precision.MARGIN
 
@@ -308,8 +309,8 @@ class Footprint:
 def known_footprint(law: str, float32: bool, guarded: bool, operations: int) -> Footprint | None:
     """The recorded footprint of a law's package; None if it was not measured.
 
-    A record is only valid for the kernel that it was made with, recognised by its number of
-    operations: a scenario may need another one.
+    A record is valid only for the kernel that it was made with, recognised by its number of
+    operations.  A scenario may need another kernel.
     """
     nearest = nearest_footprint(law, float32, guarded, operations)
     return nearest if nearest and nearest.operations == operations else None
@@ -331,7 +332,8 @@ def footprint_key(law: str, float32: bool, guarded: bool = False) -> str:
 def text_engine(folder: Path, *, markup: bool = False, blocks: bool = True) -> jinja2.Environment:
     """The templates of a folder: C, Modelica, MATLAB, Markdown, or with ``markup`` XML and HTML.
 
-    Its filter ``comment`` is for whatever a user has named; ``blocks`` leave no lines of their own.
+    Its filter ``comment`` is for every text that a user supplies; ``blocks`` leave no lines of
+    their own.
     """
     engine = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder), undefined=jinja2.StrictUndefined,

@@ -24,9 +24,9 @@ EARLY, LATE = (-1e3, -1e-3), (1.517, 3.143, 9.871)
 def reference_files(
     scenario: Scenario, *, float32: bool = False, layout: str | None = None
 ) -> dict[str, str]:
-    """File name to text of the package of a scenario's path; ``layout`` as of `package_files`.
+    """File name to text of the package of a scenario's path; ``layout`` as in `package_files`.
 
-    ArgumentError for a reference of another package that is no function of time alone.
+    ArgumentError for a reference of another package that is not a function of time alone.
     """
     system, kind = reference(scenario), scenario.reference_kind.name
     if system.state or [item.signal for item in system.inputs] != [TIME]:

@@ -101,7 +101,7 @@ class _Rerolling:
         return {key for key, often in count.items() if often >= SHORTEST}
 
     def _sharings(self, number: int) -> list[Sharing]:
-        """Operation, position, operand and the other operands' arrays, for each operand."""
+        """For each operand: operation, position, operand, and the other operands' arrays."""
         node = self.graph.nodes[number]
         arrays = [self.place.get(operand, ("",))[0] for operand in node.operands]
         return [
@@ -231,7 +231,7 @@ def depths(items: Iterable[Item]) -> dict[int, int]:
 
 
 def _looped_results(results: Iterable[ResultStore], local: dict[int, Place]) -> list[Item]:
-    """Results that copy part of an array, as loops; other results unchanged."""
+    """Results with loops that copy parts of an array; other results unchanged."""
     runs: list[list[ResultStore]] = []
     following: tuple[Place, Place] | None = None  # place and result that would go on a run
     for item in results:
@@ -252,7 +252,8 @@ def _looped_results(results: Iterable[ResultStore], local: dict[int, Place]) -> 
 
 
 def fused(graph: Graph, items: Sequence[Item]) -> set[ArrayLoop]:
-    """Loops whose elements are each read once, by long loops that read no other part of the array.
+    """Loops to insert at their readers: each element is read once, by long loops over this part
+    alone.
 
     A few elements may be read by single lines.  The loop's expression is inserted at the reader,
     with a shifted index.

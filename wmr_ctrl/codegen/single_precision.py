@@ -42,9 +42,10 @@ adds three roundings of at most four times the limit, and its tables are rounded
 
 
 def with_margin(system: System, margin: float = MARGIN) -> System:
-    """The law with its limits' values lowered by ``margin``, apart ones by that of the larger.
+    """The law with its limits' values lowered by ``margin``, a share of the larger limit if
+    directions differ.
 
-    One that leaves no room beyond a push stays: only 0 is sent then, whatever is rounded.
+    A limit that leaves no room beyond a push stays: only 0 is sent then, whatever is rounded.
     """
     known = {item.signal.name: np.array(item.value) for item in system.params}
     lowered = {name: (1 - margin) * known[name] for name in LIMITS if name in known}
@@ -88,7 +89,7 @@ class SingleDialect(Dialect):
 def package_dialect(float32: bool) -> Dialect:
     """The dialect of a package in double or single precision.
 
-    The latter has literals of float and the C library's functions, ``expf(`` for ``wmr_exp(``,
+    Single precision has float literals and the C library's functions, ``expf(`` for ``wmr_exp(``,
     except those of _OWN.
     """
     if not float32:

@@ -1,10 +1,10 @@
-"""Find a C compiler that works, and build libraries with it by way of the cache.
+"""Finder of a working C compiler, and builder of libraries through the cache.
 
 Order: ``$WMR_CTRL_CC`` (it may hold arguments, as in ``zig cc``) and nothing else if it is set;
-else cc, gcc, clang on PATH; else the ``ziglang`` wheel. A candidate is accepted after it has
-compiled a few lines into a library that this process can load and call; the cache stores that, so
-later trials take milliseconds. ``$WMR_CTRL_OPTIMIZE`` (0 to 3, else 3) compiles faster code or
-compiles faster; the results have the same bits.
+else cc, gcc, clang on PATH; else the ``ziglang`` wheel.  A candidate is accepted after it has
+compiled a few lines into a library that this process can load and call.  The cache stores that, so
+later trials take milliseconds.  ``$WMR_CTRL_OPTIMIZE`` (0 to 3, else 3) chooses between faster code
+and faster compiling; the results have the same bits.
 """
 
 import ctypes

@@ -108,7 +108,7 @@ def _run(place: Situation, v_u1: Floats, draw: np.random.Generator) -> list[Floa
 def _commands(system: System, limits: Limits) -> Floats:
     """Commands up to five times the limits; if used, odometry within them, half of the time.
 
-    Limits and free ways, where they are told, leave most commands less than the scenario does.
+    Received limits and free distances are mostly smaller than the scenario's.
     """
     draw, rows, known = np.random.default_rng(2024), [], [item.signal for item in system.inputs]
     own = sum(item.size for item in known if item not in TOLD)

@@ -1,4 +1,4 @@
-"""A compiled loop as plain data, so that those who only run it need not import CasADi."""
+"""A compiled loop as plain data, so that code that only runs it need not import CasADi."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ Signals = tuple[Signal, ...]
 
 @dataclass(frozen=True)
 class LawLayout:
-    """Inputs, memory and parameters of the controller by itself."""
+    """Inputs, memory and parameters of the controller alone."""
 
     inputs: Signals
     state: Signals
@@ -22,8 +22,8 @@ class LawLayout:
 class LoopLayout:
     """Meaning of the vectors in a loop's library; equal for all scenarios of one structure.
 
-    ``columns``: those of the log.  ``findings`` and ``sums``: names of the results of a run without
-    a log.
+    ``columns``: signals of the log.  ``findings`` and ``sums``: names of the results of a run
+    without a log.
     """
 
     title: str
@@ -39,9 +39,9 @@ class CompiledLoop:
     """A law's closed loop on a scenario: library, layout, and the numbers of this scenario.
 
     ``parameters`` has a row for each phase, which begins at plant step ``phase_start``; ``start``
-    is the whole state at t = 0; ``delay_steps`` is how many plant steps a command is under way.
-    ``digest`` is the hash of the sources; loops of one ``structure`` can
-    run side by side.
+    is the whole state at t = 0; ``delay_steps`` is the number of plant steps that a command is in
+    transit.  ``digest`` is the hash of the sources; loops of one ``structure`` can run side by
+    side.
     """
 
     library: str

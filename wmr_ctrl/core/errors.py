@@ -42,7 +42,7 @@ class UnknownNameError(WmrError, KeyError):
 
 
 class UnknownKeyError(ScenarioError, UnknownNameError):
-    """A key that a scenario does not have; the message lists the near ones and all others."""
+    """A key that a scenario does not have; the message lists the similar keys and all others."""
 
     def __init__(self, path: str, known: Iterable[str]) -> None:
         head, _, name = path.rpartition(".")
@@ -80,7 +80,7 @@ class ArgumentError(WmrError, ValueError):
 
 
 def library(name: str, extra: str = "data") -> ModuleType:
-    """A module of an optional package; raises MissingExtraError where it is not installed."""
+    """A module of an optional package; raises MissingExtraError if it is not installed."""
     try:
         return import_module(name)
     except ImportError as error:
@@ -92,7 +92,7 @@ def library(name: str, extra: str = "data") -> ModuleType:
 
 
 def choices(name: str, known: Iterable[str]) -> str:
-    """Say which of the ``known`` names are near ``name``, then list all."""
+    """Text on the ``known`` names: first those similar to ``name``, then all."""
     options = sorted(known)
     near = difflib.get_close_matches(name, options, n=3, cutoff=0.4)
     hint = f"near: {', '.join(near)}; " if near else ""
@@ -102,7 +102,7 @@ def choices(name: str, known: Iterable[str]) -> str:
 def show(value: object) -> str:
     """Return ``value`` as a TOML file would spell it, cut to a readable length.
 
-    It takes no longer for a value that is large, or deep by naming its parts many times over.
+    It takes no longer for a value that is large, or deeply nested through repeated parts.
     """
     text = _spell(value, DEEPEST)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -1,8 +1,8 @@
 """Functions of higher layers that values and commands offer, imported on first use.
 
 Folders import downwards only.  A Run that draws itself and a Scenario that shows its gains are for
-the user's convenience, and commands write the same files; these few names are the whole of it, and
-importing this file loads nothing.
+the user's convenience, and commands write the same files.  These few names are the only exceptions,
+and importing this file loads nothing.
 """
 
 from collections.abc import Callable

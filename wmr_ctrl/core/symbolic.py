@@ -1,7 +1,7 @@
 """CasADi, loaded when it is first used.
 
-A scenario knows the kinds of its references and effects, whose files hold graphs too; a worker
-that only runs what is compiled reads scenarios and must not wait for CasADi.
+A scenario knows the kinds of its references and effects, whose files also contain graphs.  A worker
+that only runs compiled code reads scenarios and must not wait for CasADi.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Arguments of the Python interface, checked against the annotations of whatever takes them."""
+"""Checks of the Python interface's arguments against the annotations of the function."""
 
 import builtins
 import inspect
@@ -37,12 +37,12 @@ class _Names(dict[str, Any]):
 
 
 def checks_arguments(function: Callable[P, T]) -> Callable[P, T]:
-    """Wrap the function such that it checks its arguments against its annotations.
+    """Wrap the function so that it checks its arguments against its annotations.
 
     A class that is imported for typing alone is recognised by its name; options that are a
-    TypedDict are checked one by one; a path is one that the system can be given. Raises
-    ArgumentError for a value of another type and for a missing argument, UnknownNameError for one
-    that is not known.
+    TypedDict are checked one by one; a path must be one that the system accepts.  Raises
+    ArgumentError for a value of another type and for a missing argument, UnknownNameError for an
+    unknown argument.
     """
     signature, name = inspect.signature(function), function.__qualname__
     named = signature.parameters.items()
@@ -109,7 +109,7 @@ def fits(value: object, hint: object) -> bool:
 
 
 def words(hint: object) -> str:
-    """A type hint as it is written, such as ``str | None``."""
+    """A type hint as source text, such as ``str | None``."""
     return re.sub(r"\w+\.", "", inspect.formatannotation(hint))
 
 

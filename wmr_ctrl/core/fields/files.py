@@ -1,7 +1,7 @@
-"""Reading of small text files, TOML among them, and which files a command reads and writes.
+"""Reader of small text files, such as TOML, and a record of files that a command reads and writes.
 
-Failures of reading are ScenarioErrors.  A message quotes what it read, so a file is read only if
-its suffix says that it is meant.
+Failures of reading are ScenarioErrors.  A message quotes the file's text, so a file is read only if
+its suffix shows that it is meant.
 """
 
 import os
@@ -38,7 +38,7 @@ def one_command() -> Iterator[None]:
 
 
 def note_input(file: AnyPath, what: str) -> None:
-    """Record that the command reads ``file``; ``what`` it is, for the message.
+    """Record that the command reads ``file``; ``what`` describes it in the message.
 
     Raises ResultFileError if the command writes it.  Nothing is recorded outside of a command.
     """

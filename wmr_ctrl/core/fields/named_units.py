@@ -46,7 +46,7 @@ class NamedUnit:
 
     @property
     def display(self) -> tuple[str, float] | None:
-        """Display unit and how many of it are one of this unit, or None."""
+        """Display unit and the number of them in one of this unit, or None."""
         return _DISPLAY.get(self.name)
 
     def __mul__(self, other: "NamedUnit") -> "NamedUnit":
@@ -91,7 +91,7 @@ def _read(name: str) -> tuple[Fraction, dict[str, int]]:
 
 
 def _part(name: str) -> tuple[Fraction, dict[str, int]] | None:
-    """Size and exponents of a unit, perhaps with a prefix."""
+    """Size and exponents of a unit, with or without a prefix."""
     if name in _KNOWN:
         return _KNOWN[name]
     if name[0] in _PREFIXES and name[1:] in UNITS["prefixed"]["units"]:
@@ -121,8 +121,8 @@ class Stated(float):
     def refused(self, wanted: str) -> str:
         """Reason why this number cannot be given in ``wanted``; empty if it can.
 
-        Angles are not plain numbers here: rad/s differs from 1/s, so that Hz, which may mean turns,
-        is questioned.
+        Angles are not plain numbers here: rad/s differs from 1/s.  So Hz, which may mean turns,
+        leads to a question.
         """
         mine = _read(self.unit)[1]
         try:
@@ -162,7 +162,7 @@ def with_units(raw: object) -> object:
 
 
 def per_second(name: str) -> str:
-    """Name of the unit of a quantity's rate: ``m/s2`` for ``m/s``; "" where none is stated."""
+    """Name of the unit of a quantity's rate: ``m/s2`` for ``m/s``; "" if no unit is stated."""
     if not name:
         return ""
     if seconds := re.search(r"(?<=/)s(\d*)$", name):

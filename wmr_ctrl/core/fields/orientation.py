@@ -1,6 +1,7 @@
-"""Orientations at the interface: from +Y inside, as in the paper; outside as ``frames`` says.
+"""Orientations at the interface: inside from +Y, as in the paper; outside as ``frames`` says.
 
-``frames = "rep103"`` counts them from +X, as REP 103 of ROS does.  Positions are the same in both.
+``frames = "rep103"`` measures them from +X, as REP 103 of ROS does.  Positions are the same in
+both.
 """
 
 import math
@@ -59,15 +60,15 @@ def inward(theta: T, frames: str) -> T:
 def theta_of(quaternion: Sequence[Q], atan2: Callable[[Q, Q], Q]) -> Q:
     """Orientation [rad] in the inner convention, modulo 2 pi, of a ROS quaternion (x, y, z, w).
 
-    It is the yaw of REP 103 less a quarter turn, for any tilt and length; numbers, arrays and
-    symbols, whose ``atan2`` is given.
+    It is the yaw of REP 103 less a quarter turn, for any tilt and length.  It accepts numbers,
+    arrays and, with their ``atan2`` given, symbols.
     """
     x, y, z, w = quaternion
     return atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z) - FRAMES["rep103"]
 
 
 def described(text: str, frames: str) -> str:
-    """A field's or a column's meaning, which names the paper's convention, in ``frames``."""
+    """Meaning of a field or column in ``frames``, from a text that names the paper's convention."""
     if FRAMES[frames]:
         for ours, theirs in _SAID.items():
             text = text.replace(ours, theirs)
@@ -80,7 +81,7 @@ def field_outward(value: Any, place: int, frames: str) -> Any:
 
 
 def field_inward(value: Any, place: int, frames: str) -> Any:
-    """Inverse of `field_outward`; values that are no numbers are left to the later check."""
+    """Inverse of `field_outward`; values that are not numbers are left to the later check."""
     return _moved(value, place, frames, inward)
 
 

@@ -29,8 +29,8 @@ def blamed(
     """Context that turns errors in another author's code into an ArgumentError starting with
     ``what``.
 
-    It names file and line: where that code failed, else where ``function`` begins.  Errors of
-    ``passing`` say enough to a user as they are.
+    It names file and line: where that code failed, else where ``function`` begins.  Errors of type
+    ``passing`` are clear enough to a user and are passed on unchanged.
     """
     try:
         yield
@@ -63,7 +63,7 @@ def _begin_of(function: Callable[..., object] | None) -> str:
 
 
 def load(point: EntryPoint, group: str) -> object:
-    """The value of an entry point; raises ArgumentError, which names it, where it has none."""
+    """The value of an entry point; raises an ArgumentError that names it if it has none."""
     with blamed(f"{_named(point, group)} cannot be loaded", _REMEDY, passing=()):
         return point.load()
 
@@ -71,8 +71,7 @@ def load(point: EntryPoint, group: str) -> object:
 def loaded(group: str, kind: type[T]) -> tuple[T, ...]:
     """The values of a group's entry points, in the order of their names.
 
-    Raises ArgumentError, which names the entry point, for one that is no ``kind`` or cannot be
-    loaded.
+    Raises an ArgumentError that names the entry point if it is not a ``kind`` or cannot be loaded.
     """
     values = list[T]()
     for point in sorted(entry_points(group=group), key=lambda item: item.name):

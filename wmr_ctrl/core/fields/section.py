@@ -44,17 +44,16 @@ def quantity(
 
     Type and size follow from ``default``: a float is a number, an int a whole number, a bool a
     flag, a str a text (one of ``options`` if given), a tuple of floats a vector of that length,
-    ``None`` an optional number, ``REQUIRED`` a number that must be given.  ``kind``
-    overrides this (``"points"`` is a list of pairs of any length, ``"shapes"`` one of circles and
-    polygons, ``"mapping"`` a table, ``"numbers"`` a table of numbers, ``"texts"`` and ``"flags"``
-    lists of those); ``size`` makes a field that may be left out a vector.  Bounds hold for every
-    element, in ``unit``; ``infinite`` admits inf.
-    For values outside ``usual`` (default: the range of the unit) `check` asks if the unit is right.
-    ``multiple_of`` is the key of a time of which this one is a whole multiple: at most ``most``
-    times it, unless that is 0.  ``orientation``: which element, from 1, is an orientation of the
-    plane, 0 along +Y; a scenario's ``frames`` says how files state it.  ``alike``: one value
-    for both elements of a pair may be given, too.  ``by_axis``: a vector may be stated twice, for
-    v and for omega.
+    ``None`` an optional number, ``REQUIRED`` a number that must be given.  ``kind`` overrides this
+    (``"points"`` is a list of pairs of any length, ``"shapes"`` one of circles and polygons,
+    ``"mapping"`` a table, ``"numbers"`` a table of numbers, ``"texts"`` and ``"flags"`` lists of
+    those); ``size`` makes an optional field a vector.  Bounds hold for every element, in ``unit``;
+    ``infinite`` admits inf.  For values outside ``usual`` (default: the range of the unit) `check`
+    asks if the unit is right.  ``multiple_of``: key of a time of which this one is a whole
+    multiple, at most ``most`` times it unless ``most`` is 0.  ``orientation``: number of the
+    element, from 1, that is an orientation of the plane, 0 along +Y; a scenario's ``frames`` says
+    how files state it.  ``alike``: one value may stand for both elements of a pair.  ``by_axis``: a
+    vector may be stated twice, for v and for omega.
     """
     bounds = Range(above, minimum, below, maximum, infinite)
     elements = len(default) if isinstance(default, tuple) and kind is None else size
@@ -86,8 +85,7 @@ def quantity(
 class Section:
     """Base of the frozen dataclasses of a scenario: cleans and checks every field on creation.
 
-    A class that derives from it names its table, ``key``, or leaves that to those that derive from
-    it in turn.
+    A derived class names its table, ``key``, or leaves that to its own derived classes.
     """
 
     KEY: ClassVar[str] = ""
@@ -101,7 +99,7 @@ class Section:
         cls.QUANTITIES = tuple((field.name, field.metadata["quantity"]) for field in fields)
 
     def __post_init__(self) -> None:
-        """Put every field into its own type, or raise ScenarioError that names the key."""
+        """Convert every field to its own type, or raise a ScenarioError that names the key."""
         for name, what in quantities(type(self)):
             object.__setattr__(self, name, what.clean(getattr(self, name), key(self.KEY, name)))
         self.relate()
@@ -129,7 +127,7 @@ def default(cls: type[S]) -> S:
 def build(cls: type[S], raw: object, path: str | None = None) -> S:
     """Make a section from a raw table of TOML; errors name keys below ``path`` (default: its KEY).
 
-    Raises ScenarioError for a value, UnknownKeyError for a key that is not usable.
+    Raises ScenarioError for an invalid value, UnknownKeyError for an unknown key.
     """
     where = cls.KEY if path is None else path
     if not isinstance(raw, Mapping):
@@ -155,7 +153,7 @@ def questions(section: Section, path: str) -> Iterator[tuple[str, str]]:
 
 
 def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[float, ...]]:
-    """Signal called ``path`` and value of a section's field; raises as `numbers_in`."""
+    """Signal called ``path`` and value of a section's field; raises as `numbers_in` does."""
     numbers = numbers_in(section, name)
     what = dict(quantities(type(section)))[name]
     of_both = ", of v, then of omega" * (0 < what.size < len(numbers))
@@ -163,7 +161,7 @@ def number_of(section: Section, name: str, path: str) -> tuple[Signal, tuple[flo
 
 
 def numbers_in(section: Section, name: str) -> tuple[float, ...]:
-    """Value of a section's field as numbers; UnknownNameError where it is something else."""
+    """Value of a section's field as numbers; UnknownNameError if it is something else."""
     value = vars(section).get(name)
     numbers = value if isinstance(value, tuple) else (value,)
     if is_by_axis(value) and dict(quantities(type(section)))[name].by_axis:

@@ -1,9 +1,9 @@
-"""The reader of all tables that people bring: logs, recorded drives, paths.
+"""The reader of all tables that users supply: logs, recorded drives, paths.
 
 Cells are separated by the strongest of ``;``, tab, ``,`` and blank in the first row that is not a
-comment; where it is not a comma, a comma is a decimal sign.  The columns' names are in the first
-row, or in the last comment above it, each perhaps with its unit: ``t [ms]``, ``t (ms)``, ``t_ms``.
-Columns of a table without names are called 1, 2 and so on.
+comment.  If that is not a comma, a comma is a decimal sign.  The columns' names are in the first
+row, or in the last comment above it, each with or without its unit: ``t [ms]``, ``t (ms)``,
+``t_ms``.  Columns of a table without names are called 1, 2 and so on.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ MOST_NAMED = 12
 class Table(NamedTuple):
     """Columns (N,) by our names and in our units, nan for empty cells; the line of each row.
 
-    ``unread`` names columns that were not read, and ``cut`` is the number of a last line that ends
-    too early, 0 if none does.
+    ``unread``: names of columns that were not read.  ``cut``: number of a last line that ends too
+    early, 0 if none does.
     """
 
     columns: Mapping[str, array[float]]
@@ -51,9 +51,9 @@ class _Column(NamedTuple):
 class TableReader:
     """Reader of tables: which columns to read, and which error to raise.
 
-    ``known``: unit by our name; ``needed``: names that must be there; ``columns``: their name,
-    perhaps with its unit, by ours; ``unnamed``: ours, in order, of a table of that width without
-    names; ``alike``: a pattern of other names for ours, which are its first group.
+    ``known``: unit by our name; ``needed``: our names that must be there; ``columns``: the table's
+    name, with or without its unit, by ours; ``unnamed``: our names, in order, for a table of that
+    width without names; ``alike``: a pattern of other names, whose first group is our name.
     """
 
     place: str

@@ -23,7 +23,9 @@ def written(usual: tuple[float, float]) -> str:
 
 
 def meant(value: float, unit: str, usual: tuple[float, float]) -> str:
-    """Ask whether ``value`` was meant in another unit, in which it would be usual; else empty."""
+    """Question whether ``value`` was meant in another unit, in which it would be usual; else
+    empty.
+    """
     here = f" {unit}" if unit != "1" else ""
     return " ".join(
         f"{words.capitalize()}? {value:g} {sign} is {value * size:.4g}{here}."
@@ -57,7 +59,7 @@ def sized(value: float, unit: str, digits: int = 4) -> str:
 
 
 def limits_in_words(sides: tuple[tuple[float, float], tuple[float, float]]) -> str:
-    """Limits of v and omega, as "1 m/s and 1.5 rad/s", or "-0.2 to 1 m/s" where they differ."""
+    """Limits of v and omega, as "1 m/s and 1.5 rad/s", or "-0.2 to 1 m/s" if directions differ."""
     named = zip(sides, ("m/s", "rad/s"), strict=True)
     return " and ".join(
         f"{high:g} {unit}" if low == -high else f"{low:g} to {high:g} {unit}"
@@ -66,5 +68,5 @@ def limits_in_words(sides: tuple[tuple[float, float], tuple[float, float]]) -> s
 
 
 def length(value: float, up: bool = True) -> str:
-    """A length with its unit, in mm if it is short; rounded up, or down without ``up``."""
+    """A length with its unit, in mm if it is short; rounded up, or down if ``up`` is false."""
     return f"{rounded(1e3 * value, 3, up)} mm" if value < 0.1 else f"{rounded(value, 3, up)} m"

@@ -1,6 +1,6 @@
 """Cleaning of single values: a field's type, size and range, and the error if one does not fit.
 
-Beside it the sizes past which input is refused before anything is counted or unpacked.
+It also has the sizes beyond which input is refused before it is counted or unpacked.
 """
 
 import math
@@ -66,7 +66,7 @@ class Frozen(Mapping[str, V]):
 
 @dataclass(frozen=True)
 class Range:
-    """Range that every element of a quantity must keep; ``None`` means no bound on that side."""
+    """Range of every element of a quantity; ``None`` means no bound on that side."""
 
     above: float | None = None
     minimum: float | None = None
@@ -95,10 +95,10 @@ class Range:
 class Quantity:
     """Declaration of a field: default, unit, meaning, bounds, shape.
 
-    ``size`` is the number of elements of a vector, 0 for a scalar; ``options`` are the texts
-    that a text field accepts (any, if empty); ``usual`` is the range of sizes beyond which it is
-    asked whether the unit is meant (None: that of the unit); ``multiple_of``,
-    ``most``, ``orientation``, ``alike`` and ``by_axis`` as in `quantity`.
+    ``size``: number of elements of a vector, 0 for a scalar.  ``options``: texts that a text field
+    accepts (any, if empty).  ``usual``: range of sizes outside which `check` asks whether the unit
+    is meant (None: that of the unit).  ``multiple_of``, ``most``, ``orientation``, ``alike`` and
+    ``by_axis`` as in `quantity`.
     """
 
     default: Any
@@ -164,13 +164,13 @@ class Quantity:
                 )
 
     def _measure(self, index: int) -> tuple[str, Pair | None]:
-        """Unit of an element, and the range of sizes that is usual of it."""
+        """Unit of an element, and its usual range of sizes."""
         units = [unit.strip() for unit in self.unit.split(",")]
         unit = units[index] if len(units) > 1 else units[0]
         return unit, self.usual or USUAL.get(unit)
 
     def _number(self, value: object, path: str, index: int = 0) -> float:
-        """A number in the unit of the element ``index``; a text has to name one of its kind."""
+        """A number in the unit of element ``index``; a text must name a unit of that kind."""
         if isinstance(value, str):
             value = stated(value)
         if isinstance(value, Stated):
@@ -352,7 +352,7 @@ def check_multiple(
 ) -> None:
     """Raise ScenarioError unless ``value`` [s] is a whole multiple of ``unit`` [s].
 
-    ``least`` and ``most``: of how much; a ``most`` of 0 sets no bound.
+    ``least`` and ``most``: range of the factor; a ``most`` of 0 sets no bound.
     """
     if most:
         check_count(name, value, unit_name, unit, most)
@@ -365,7 +365,7 @@ def check_multiple(
 
 
 def check_count(name: str, value: float, unit_name: str, unit: float, most: int) -> None:
-    """Raise ScenarioError where ``value`` [s] is more than ``most`` times ``unit`` [s]."""
+    """Raise ScenarioError if ``value`` [s] is more than ``most`` times ``unit`` [s]."""
     if value > (most + 0.5) * unit:
         raise ScenarioError(
             f"{name} = {value!r} s is {value / unit:.6g} times {unit_name} = {unit!r} s; at most "

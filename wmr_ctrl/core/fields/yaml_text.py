@@ -6,7 +6,7 @@ from wmr_ctrl.core.errors import ScenarioError, show
 
 
 def yaml_document(text: str, place: str) -> object:
-    """Return the first document of YAML text; None where there is none."""
+    """Return the first document of YAML text; None if there is none."""
     return next(iter(yaml_documents(text, place)), None)
 
 
@@ -38,7 +38,9 @@ def _no_yaml(place: str, problem: Exception) -> ScenarioError:
 
 
 def _check(node: Any, seen: set[int], place: str) -> None:
-    """Merge repeated tables in a node of YAML; raise ScenarioError where an alias leads back."""
+    """Merge repeated tables in a node of YAML; raise ScenarioError if an alias refers back to
+    it.
+    """
     if id(node) in seen:
         line = node.start_mark.line + 1
         raise ScenarioError(f"{place}: the anchor in line {line} has an alias. Write it out.")

@@ -1,8 +1,8 @@
 """Checks before a run: sample time, preconditions, start, network, barrier, bounds.
 
 `warnings_for` checks one law on one scenario; nothing here simulates more than one control period,
-and nothing is ever refused. A law gets only findings about its own parts: about Eq. (7), a theorem,
-of a barrier or of a believed model where its `Traits` state them.
+and nothing is ever refused.  A law gets only findings about its own parts: Eq. (7), a theorem, a
+barrier or a believed model, if its `Traits` state them.
 """
 
 from collections.abc import Callable, Iterator
@@ -67,7 +67,7 @@ OF_VELOCITY_BASES = (
 def warnings_for(setup: Setup, work: float = OF_RUN) -> tuple[Warning, ...]:
     """Warnings from theory for a law on a scenario; empty if there is no objection.
 
-    A check that takes more than this ``work`` (`wmr_ctrl.theory.checks.budget`) becomes a warning
+    A check that needs more than this ``work`` (`wmr_ctrl.theory.checks.budget`) becomes a warning
     "not-checked".
     """
     loop = loop_of(setup)
@@ -77,7 +77,7 @@ def warnings_for(setup: Setup, work: float = OF_RUN) -> tuple[Warning, ...]:
 
 
 def warnings_heard(setup: Setup, asked: bool, work: float = OF_RUN) -> tuple[Warning, ...]:
-    """`warnings_for`, without those on gains that nobody chose (`judges_gains`).
+    """`warnings_for`, without warnings about gains that nobody chose (`judges_gains`).
 
     ``asked``: whether the caller named this law.
     """

@@ -1,4 +1,4 @@
-"""Effects of a base that takes velocities on its commands, and where a path demands more."""
+"""How a base that takes velocities changes its commands, and where a path demands more."""
 
 from collections.abc import Iterator
 from typing import TypeAlias
@@ -28,7 +28,7 @@ def rims(scenario: Scenario, pairs: Floats) -> Floats:
 
 
 def dead(scenario: Scenario, pairs: Floats) -> dict[str, Bools]:
-    """Where commands (n, 2) other than 0 lie within a dead band, by its key."""
+    """Masks of nonzero commands (n, 2) inside a dead band, by the band's key."""
     base = scenario.base
     bands = {
         "base.deadband": (pairs, np.array(base.deadband)),
@@ -42,7 +42,9 @@ def dead(scenario: Scenario, pairs: Floats) -> dict[str, Bools]:
 
 
 def beyond_base(loop: Loop) -> Iterator[Warning]:
-    """Yield where the path turns more tightly than the base, or asks less than its dead band."""
+    """Warn if the path turns more tightly than the base can, or needs commands inside its dead
+    band.
+    """
     scenario = loop.scenario
     if not loop.setup.takes_velocity:
         return
@@ -83,7 +85,7 @@ REMEDIES = {
 
 
 def _done(scenario: Scenario, u: Floats) -> Iterator[tuple[str, str, Bools]]:
-    """Key of each cause, what of commands (n, 2) it is in words, and in which rows."""
+    """For each cause: its key, its effect on commands (n, 2) as text, and the affected rows."""
     base, T, w = scenario.base, scenario.clock.control, rims(scenario, u)
 
     def changed(asked: Floats, periods: int = 1) -> Floats:
@@ -104,7 +106,7 @@ def _done(scenario: Scenario, u: Floats) -> Iterator[tuple[str, str, Bools]]:
 
 
 def _ramping(asked: Floats, most: Floats | float) -> Bools:
-    """Where a base that changes by at most ``most`` a sample, from rest on, lags behind (n, 2)."""
+    """Mask (n, 2) of rows in which a base from rest, limited to ``most`` a sample, lags behind."""
     acting, off = np.zeros(2), np.empty_like(asked)
     for row, command in enumerate(asked):
         off[row] = command - acting
@@ -113,7 +115,7 @@ def _ramping(asked: Floats, most: Floats | float) -> Bools:
 
 
 def causes(scenario: Scenario, run: Run) -> dict[str, str]:
-    """What the base did to the commands at a run's end, in sentences by the remark's key."""
+    """What the base did to the commands at a run's end, as sentences by the remark's key."""
     if not scenario.takes_velocity or "v_command" not in run:
         return {}
     count = min(run.rows, round(LAST / scenario.clock.control))

@@ -34,11 +34,11 @@ class World:
     """A scenario's graphs without law and reference, with random numbers 0 and without rounding.
 
     ``sensed`` (clock, x, m, p, e, T): measured pose and velocity, disturbances, next slow state,
-    and gradient of all by fast state x and slow state m, whose ports have their ``rows`` and
-    ``slow_rows``.  ``step`` (clock, z, theta, u, p, v_d): the fast state z one plant step later,
-    both with the tracking error in the place of the pose; ``slopes``: its gradient by z and by the
-    held inputs u; ``rates`` and ``rate_slopes``: rates of change of the state and of that gradient,
-    for steps of length 0.
+    and their gradient by fast state x and slow state m, whose ports have their ``rows`` and
+    ``slow_rows``.  ``step`` (clock, z, theta, u, p, v_d): the fast state z one plant step later;
+    both have the tracking error in place of the pose.  ``slopes``: its gradient by z and by the
+    held inputs u.  ``rates`` and ``rate_slopes``: rates of change of the state and of that
+    gradient, for steps of length 0.
     """
 
     def __init__(self, setup: Setup) -> None:

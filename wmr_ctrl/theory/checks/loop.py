@@ -160,7 +160,7 @@ class Loop:
         """Matrix of the loop from one ``sample`` to the next, near a point.
 
         Its state is that of `Surroundings.plant`, error and velocity (5) first, then the law's
-        memory. ``drives`` and ``robot`` default to the scenario's; the law keeps what it believes.
+        memory.  ``drives`` and ``robot`` default to the scenario's; the law keeps its own model.
         The default sample is one with a new pose; the default ``law`` is `linear`.
         """
         law = law or self.linear(at, period, drives=drives)
@@ -186,8 +186,8 @@ class Loop:
         learning: bool = False,
         commands: int | None = None,
     ) -> LinearLaw:
-        """The law near a point for a ``period`` [s]; its memory includes what it receives from its
-        drives.
+        """The law near a point for a ``period`` [s]; its memory includes what its drives report to
+        it.
 
         Estimates and weights stay as they are, unless the law is ``learning``.  It predicts over
         ``commands``; default: the number that the period leaves in transit.
@@ -235,8 +235,8 @@ class Loop:
     ) -> Point | None:
         """The point to linearise at for a ``period`` [s] and a ``robot``; None if there is none.
 
-        For a base that takes torques it is `on_reference`, near which the loop's slopes hardly
-        change.
+        For a base that takes torques it is `on_reference`, where the loop's slopes are nearly those
+        of the equilibrium.
         """
         return self.on_reference(v_d, theta)
 
@@ -331,7 +331,7 @@ class Loop:
 
     @cached_property
     def _towards(self) -> ca.Function:
-        """Graph at e = 0: there the auxiliary velocity is v_d, constant for a suitable v_d'."""
+        """Graph at e = 0, where the auxiliary velocity is v_d, constant for a suitable v_d'."""
         v, v_c0, core = ca.SX.sym("v", 2), ca.SX.sym("v_c0", 2), self.core
         e, k = ca.SX.zeros(3), ca.SX(ca.DM(self.setup.kinematics.k))
         rate = -kinematics.auxiliary_rate(e, v, v_c0, ca.SX.zeros(2), k)
@@ -347,7 +347,7 @@ class Loop:
 
     @property
     def own_period(self) -> float:
-        """Control period that the law is built for [s]."""
+        """Control period [s] that the law is built for."""
         return self.scenario.clock.control
 
 

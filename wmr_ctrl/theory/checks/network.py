@@ -30,7 +30,7 @@ def unstable_width(loop: Loop) -> Iterator[Warning]:
     """Yield the axes on which learning is unstable for a frozen regressor, as one warning.
 
     Per axis the linear loop is s^3 + a s^2 + (b + a K) s + b K with a = rho1/(2 M1), K the gain of
-    Eq. (7), b = Gamma |S|^2/M1: the feed-forward that Eq. (57) leaves out costs the phase.
+    Eq. (7), b = Gamma |S|^2/M1.  Its phase is too small because Eq. (57) lacks the feed-forward.
     """
     from scipy.optimize import brentq  # slow to import, and only for this law
 
@@ -96,8 +96,8 @@ def learning_limit(loop: Loop, axis: int, size: float) -> float:
 
     ``size`` is |S|^2.
 
-    v' = -a v + W'S/M1 over a held torque, then W'S falls by T (Gamma |S|^2 v + leak W'S); the
-    product of both eigenvalues passes 1 at this T.  The kinematic loop is left out.
+    v' = -a v + W'S/M1 over a held torque, then W'S falls by T (Gamma |S|^2 v + leak W'S).  The
+    product of both eigenvalues exceeds 1 beyond this T. The kinematic loop is neglected.
     """
     n = axis_learning(loop, axis)
     b = n.gamma * size / n.mass
@@ -114,7 +114,7 @@ def largest_square(loop: Loop, eta: float) -> float:
 
 
 def square_bound(loop: Loop, axis: int) -> float:
-    """|S|^2 above which axis 0 or 1 is unstable; inf where rho1 is large enough for any network."""
+    """|S|^2 above which axis 0 or 1 is unstable; inf if rho1 is large enough for any network."""
     n = axis_learning(loop, axis)
     if n.a >= n.kinematic or n.gamma == 0:
         return math.inf

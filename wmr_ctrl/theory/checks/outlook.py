@@ -104,7 +104,7 @@ def _scenario(text: str, name: str) -> Scenario:
 
 @lru_cache(maxsize=256)
 def _outlook(scenario: Scenario, law: Law, plant: str) -> Outlook:
-    """`outlook`, cached per law object, since another law may get the same name later."""
+    """`outlook`, cached for each law object, since another law may later have the same name."""
     return outlook(scenario, law.name, plant)
 
 
@@ -122,7 +122,7 @@ def verdict(warnings: Sequence[Warning], run: Run | None) -> CheckVerdict:
 
     ``not-checked`` if neither does, and theory was not evaluated completely.
 
-    The grip of tyres, which the plane model does not have, is reported and not part of it.
+    The grip of tyres, which the plane model does not have, is reported, but does not count.
     """
     theory = [item for item in warnings if item.equation != GRIP]
     keys = [item.key for item in run.remarks if item.key not in OF_THEORY] if run else []

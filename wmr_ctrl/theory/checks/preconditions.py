@@ -79,7 +79,7 @@ def _blind(loop: Loop) -> Iterator[Warning]:
 
 
 def preconditions(loop: Loop) -> Iterator[Warning]:
-    """Yield those conditions of 0 < v1_d < v_u2[1], |v2_d| < v_u2[2], k_2 >= 1 that do not hold.
+    """Yield each violated condition among 0 < v1_d < v_u2[1], |v2_d| < v_u2[2], k_2 >= 1.
 
     A law without a barrier need only stay below v_u1; a law without Eq. (7) has no further
     conditions.
@@ -138,7 +138,7 @@ def _beyond(loop: Loop, axis: int, what: str, value: float, end: str) -> Iterato
 
 
 def _against_a_side(loop: Loop) -> Iterator[Warning]:
-    """A desired motion that is not within the limit of its direction."""
+    """Yield a desired motion that exceeds the limit of its direction."""
     limits = loop.scenario.limits
     for axis, span in enumerate(reference_spans(loop.scenario) if limits.apart else ()):
         for asked, way in zip(span, (-1, 1), strict=True):
@@ -210,7 +210,7 @@ def _late(loop: Loop) -> Warning:
 
 
 def noise(loop: Loop) -> Iterator[Warning]:
-    """Yield the weakest axis, if no barrier is sure to withstand the noise."""
+    """Yield torque noise that the barrier may not withstand, for the weakest axis."""
     disturbance, robot = loop.scenario.disturbance, loop.scenario.robot
     if disturbance.std == 0 or loop.guarded or not loop.has_barrier:
         return

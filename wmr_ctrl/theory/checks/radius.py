@@ -78,8 +78,8 @@ def from_pose_to_pose(
 ) -> Floats:
     """Matrix of the sampled loop from one pose to the next, near a point.
 
-    A matrix that grows beyond the range of doubles is scaled down; at that size one pose more or
-    less makes no difference.
+    A matrix that grows beyond the range of doubles is scaled down; at that size the number of poses
+    makes no difference.
     """
     law = loop.linear(at, period, drives=drives, learning=learning)
     closed = partial(loop.closed, at, period, drives=drives, robot=robot, law=law)
@@ -133,10 +133,10 @@ def _of_product(matrices: Sequence[Floats], counts: NDArray[np.intp]) -> float:
 
 @lru_cache(maxsize=64)
 def stretches_of(scenario: Scenario) -> tuple[list[Floats], Floats, float] | None:
-    """Desired velocities (2) over one period of the reference, their shares of it, and the period
-    [s].
+    """Desired velocities (2) over one period of the reference, their shares of it, and the period.
 
-    Equal neighbours are merged; None if the velocities are constant or do not repeat.
+    The period is in s.  Equal neighbours are merged; None if the velocities are constant or do not
+    repeat.
     """
     cycle = scenario.reference.cycle
     if not math.isfinite(cycle) or scenario.reference.arrival is not None:
@@ -176,7 +176,7 @@ def supremum(
 def edge(of: Callable[[float], float], stable: float, unstable: float) -> float:
     """The last stable value between ``stable`` and ``unstable``, by the spectral radius ``of``.
 
-    It is that of the whole range if ``of`` passes 1 once in it.
+    It is the limit of the whole range if ``of`` crosses 1 once in it.
     """
     from scipy.optimize import brentq  # slow to import, and not needed for most verdicts
 

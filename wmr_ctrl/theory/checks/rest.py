@@ -36,8 +36,8 @@ def rest(
 ) -> Point | None:
     """The equilibrium near ``start`` for a control ``period`` [s]; None if there is none.
 
-    Friction, gains, a wrong model and what a law learns are included.  Drives deliver their
-    commands without delay, and sensors show the present state.
+    Friction, gains, a wrong model and estimates are included.  Drives deliver their commands
+    without delay, and sensors show the present state.
     """
     world = around.worlds(period)[0][1]
     step = period / steps_in(period, loop.scenario.clock.plant)
@@ -69,8 +69,8 @@ def _graph(loop: Loop, around: Surroundings, world: World) -> ca.Function:
 
 
 def newton(change: ca.Function, start: Floats, given: tuple[ArrayLike, ...] = ()) -> Floats | None:
-    """A zero of ``change`` by its first input; the second output is its gradient.  None for no
-    zero.
+    """A zero of ``change`` by its first input; the second output is its gradient.  None if no zero
+    is found.
 
     A variable that nothing changes keeps its value, such as the integral of a speed loop with
     base.ki = 0.

@@ -98,7 +98,7 @@ def _linear(loop: Loop) -> Iterator[Warning]:
 
 
 def checked_by(law: str) -> str:
-    """Sentence, without its full stop, on the command that checks a law without a limit of work."""
+    """Sentence, without its full stop, on the command that checks a law without a work limit."""
     return f"`wmr-ctrl check --law {LAWS.spelled(law)}` has no such limit, and may take minutes"
 
 

@@ -105,7 +105,7 @@ class SampledPlant:
 
 
 def by_age(unit: Floats, now: int, sent: slice) -> list[Floats]:
-    """Rows that select commands by age: the one at index ``now``, then those in the state."""
+    """Rows that select commands by age: first the one at index ``now``, then those in the state."""
     queue = unit[sent]
     return [
         unit[now : now + COMMAND],
@@ -117,10 +117,10 @@ def by_age(unit: Floats, now: int, sent: slice) -> list[Floats]:
 class Assembly:
     """Builder of a SampledPlant, block by block: fast state, commands sent, slow state.
 
-    ``worlds`` with weights; ``every``: samples from one pose to the next; ``step``: approximate
-    plant step [s]; ``numbers`` of a world's parameters, by the step; ``sent``: held inputs per
-    command (2, 2); ``wheels``: torques per force (2, 2); ``torque`` (2): torque that keeps the
-    velocity [N m]; ``sends``: velocities are commanded.
+    ``worlds``: with weights.  ``every``: samples from one pose to the next.  ``step``: approximate
+    plant step [s].  ``numbers``: a world's parameters, as a function of the step.  ``sent``: held
+    inputs per command (2, 2).  ``wheels``: torques per force (2, 2).  ``torque`` (2): torque that
+    keeps the velocity [N m].  ``sends``: velocities are commanded.
     """
 
     worlds: Sequence[tuple[float, World]]
@@ -136,7 +136,7 @@ class Assembly:
 
     @property
     def world(self) -> World:
-        """One of the worlds: all have the same fast state."""
+        """One of the worlds, all of which have the same fast state."""
         return self.worlds[0][1]
 
     def _fast(self, back: float) -> Floats:
@@ -257,7 +257,7 @@ class Assembly:
         return self._reduced(plant, self.steady, slow)
 
     def rates(self) -> tuple[Floats, Floats, Floats, tuple[str, ...]]:
-        """Gradient of the rates: the derivative of a plant step by its length."""
+        """Gradient of the rates, by the derivative of a plant step with respect to its length."""
         slopes, names = self._step(self.world.rate_slopes, 0.0), self.world.names
         used = [i for i, name in enumerate(names) if name not in (PATH.name, SKID.name)]
         free, torque, push = np.split(slopes[used], [len(names), len(names) + COMMAND], axis=1)

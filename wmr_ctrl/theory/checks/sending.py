@@ -1,4 +1,4 @@
-"""Loop of a law on a base that takes velocities, as long as the base limits no command.
+"""Loop of a law on a base that takes velocities, while the base limits no command.
 
 The command is computed by the controller's own graph without its filter, which passes every command
 within the limits (ledger: corridor.filter).
@@ -60,7 +60,7 @@ class SendingLoop(Loop):
     def _late(self) -> tuple[int, float, float] | None:
         """Delay of commands in whole periods and further plant steps, and plant steps per period.
 
-        None for those of the scenario.
+        None if they are the scenario's.
         """
         if self.period is None and self.delay is None:
             return None
@@ -89,7 +89,7 @@ class SendingLoop(Loop):
         return bool(remembered(_law_graph(self.setup, self.in_flight)))
 
     def on_reference(self, v_d: Floats, theta: float = 0.0) -> Point:
-        """Operating point on the reference after a long time with constant commands."""
+        """Operating point on the reference after a long time of constant commands."""
         key = tuple(map(float, v_d))
         if key not in self._points:
             self._points[key] = self._driving(np.array(key))
@@ -97,7 +97,7 @@ class SendingLoop(Loop):
 
     @property
     def learns(self) -> bool:
-        """True if the law has estimates: they are part of its equilibrium, so they move."""
+        """True if the law has estimates, which are part of its equilibrium and so must move."""
         return self.traits.estimates
 
     def resting(
@@ -131,8 +131,8 @@ def _at_rest(
 ) -> Point | None:
     """Equilibrium of a loop whose commands act without delay.
 
-    In a short period a law may change its command too little for Newton's method; then the
-    equilibrium of a long period, which is near, is the start.
+    In a short period a law may change its command too little for Newton's method.  The iteration
+    then starts from the equilibrium of a long period, which is near.
     """
     find, on = partial(rest, loop, loop.around), loop.on_reference(np.array(v_d), theta)
     at = find(on, period, robot)

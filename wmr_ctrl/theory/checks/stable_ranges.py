@@ -51,11 +51,11 @@ def largest_stable_period(scenario: Scenario, law: str) -> float:
 class Stability:
     """Stable periods, largest delay [s], and ratios of true to believed mass, around the reference.
 
-    Delay and masses are for the scenario's period; see the functions of these names. ``tried`` is
-    the shortest period that was tried; ``held``: period beyond which the base stops between
-    commands; ``least_delay``: smallest stable delay; ``off``: distance from the reference at rest
-    [m], None without an equilibrium; ``any_mass``: the base's own loop compensates its mass;
-    ``remarks``.
+    Delay and masses are for the scenario's period; see the functions of these names.  ``tried``:
+    the shortest period that was tried.  ``held``: period beyond which the base stops between
+    commands.  ``least_delay``: smallest stable delay.  ``off``: distance from the reference at rest
+    [m], None without an equilibrium.  ``any_mass``: the base's own loop compensates its mass.
+    ``remarks``: neglected effects, as texts.
     """
 
     shortest: float

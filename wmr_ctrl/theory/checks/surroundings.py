@@ -53,8 +53,9 @@ class DriveTimes:
 class KnownDrives:
     """A controller's memory of the forces that it sent, as its own model of the drives updates it.
 
-    Next memory by memory and by the sent force; ``known`` of it: the mean force of the last period,
-    then commands.  The last ``sent`` elements are commands, latest first.
+    Next memory as a function of memory and sent force.  ``known``: the part of the memory that a
+    law reads, the mean force of the last period, then commands.  The last ``sent`` elements are
+    commands, latest first.
     """
 
     moved: Floats
@@ -65,7 +66,7 @@ class KnownDrives:
 
 @lru_cache(maxsize=64)
 def idle_base(scenario: Scenario) -> Scenario:
-    """The scenario without filter, for a base that limits, rounds and drops nothing."""
+    """The scenario without filter, on a base that limits, rounds and drops nothing."""
     return override(scenario, IDLE)
 
 

@@ -66,8 +66,8 @@ class ZeroBound:
 def bounds(setup: Setup) -> dict[str, Pair | None]:
     """Bounds that guard or filter assume, by name; None for odometry that no filter uses.
 
-    "dbar" [N, N m] and "nbar" [m/s, rad/s] of a base that takes torques, as stated or implied; "d"
-    and "odometry" [m/s, rad/s] of one that takes velocities, as stated.
+    For a base that takes torques, "dbar" [N, N m] and "nbar" [m/s, rad/s], as stated or implied;
+    for one that takes velocities, "d" and "odometry" [m/s, rad/s], as stated.
     """
     if setup.takes_velocity:
         stated = setup.scenario.filter
@@ -129,7 +129,7 @@ def _zero(
 
 
 def exactness(setup: Setup) -> str:
-    """What bounds of size 0 imply, as "nothing pushes the robot and its speed ..."; or empty."""
+    """Meaning of bounds of size 0, as "nothing pushes the robot and its speed ..."; or empty."""
     found = zeros(setup)
     return joined(item.words for item in found) if found else ""
 
@@ -161,7 +161,7 @@ def is_undisturbed(scenario: Scenario) -> bool:
 
 
 def finest(scenario: Scenario | None) -> float:
-    """Resolution [m, rad] of printed errors; a scenario of None is an unknown one."""
+    """Resolution [m, rad] of printed errors; ``scenario`` is None if it is unknown."""
     return COARSE if scenario is not None and is_undisturbed(scenario) else FINE
 
 

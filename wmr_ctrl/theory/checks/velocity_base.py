@@ -45,16 +45,15 @@ MOST_STEPS = 5000
 class FilterFacts:
     """Results of a command filter on a scenario.
 
-    ``gain``: largest gain that is counted on, of the clip of linear loops their peak gain, of the
-    axis where it is larger; ``usable``: least and largest speed ("v" [m/s], "omega" [rad/s]) at
-    rest on the weakest base that is stated, of a command far beyond the limit, and
-    ``usable_speed``, the smaller of both ways; ``delay_cost``: what one more millisecond of delay
-    takes of it (of a band of one that is constant: others it refuses); ``gain_cost``: what one more
-    per cent of that gain takes; ``broken``: what of the theorem does not hold.  Of linear loops
-    ``overshoot`` is the largest share by which a step overshoots, and ``overshoot_cost`` what one
-    more per cent of it takes.  Of a band ``rise`` [s] is how long commands far beyond the limit
-    take to come to NEARLY all of it, and ``rise_cost`` what one more per cent of overshoot adds:
-    its speed at rest is hardly less.
+    ``gain``: largest assumed gain of both axes; for the clip of linear loops, the peak gain.
+    ``usable``: least and largest speed ("v" [m/s], "omega" [rad/s]) at rest on the weakest base
+    that is stated, under a command far beyond the limit.  ``usable_speed``: the smaller of both
+    directions.  ``delay_cost``: loss of it by one more millisecond of delay (constant for a band,
+    which refuses others).  ``gain_cost``: loss by one more per cent of that gain.  ``broken``:
+    violated conditions of the theorem.  For linear loops, ``overshoot``: largest relative overshoot
+    of a step, and ``overshoot_cost``: loss by one more per cent of it.  For a band, ``rise`` [s]:
+    time that commands far beyond the limit take to reach NEARLY all of it, and ``rise_cost``:
+    increase by one more per cent of overshoot, since its speed at rest hardly falls.
     """
 
     kind: str
@@ -118,7 +117,7 @@ ON_THE_SPOT = {
 
 
 def usable_speed(scenario: Scenario) -> Pair:
-    """`usable_sides` of the way in which each axis is slower."""
+    """The slower direction of `usable_sides`, for each axis."""
     return _smaller(usable_sides(scenario))
 
 
@@ -128,21 +127,21 @@ def _smaller(sides: tuple[Pair, Pair]) -> Pair:
 
 
 def usable_sides(scenario: Scenario) -> tuple[Pair, Pair]:
-    """Speeds at rest, both ways, of each axis [m/s, rad/s]: see `_usable`."""
+    """Speeds at rest in both directions of each axis [m/s, rad/s]: see `_usable`."""
     ahead = _usable(scenario, 1)
     back = _usable(scenario, -1) if scenario.limits.unequal else ahead
     return (-back[0], ahead[0]), (-back[1], ahead[1])
 
 
 def _usable(scenario: Scenario, way: int) -> Pair:
-    """Speeds at rest one ``way`` of the weakest base that the filter is stated for.
+    """Speeds at rest in one direction, ``way``, of the weakest base that the filter is stated for.
 
-    The filter's own graph drives it, one axis at a time: the smallest gain, pushed back by d, with
-    odometry of the stated age that always reads too high by its whole error, or without odometry if
-    the sensors' is older.  In steady state neither time constant nor delay matters.  For a band:
-    the speed admitted after eight times as many commands as its longest tables contain; for a
-    governor of wheels, whose weakest base is not known: the speed admitted without odometry, which
-    is less.
+    The filter's own graph drives it, one axis at a time.  It has the smallest gain and is pushed
+    back by d.  Its odometry has the stated age and always reads too high by its whole error; it is
+    absent if the sensors' odometry is older.  In steady state neither time constant nor delay
+    matters.  For a band: the speed admitted after eight times as many commands as its longest
+    tables contain.  For a governor of wheels, whose weakest base is not known: the speed admitted
+    without odometry, which is less.
     """
     stated, free = scenario.filter, dict[str, object](ON_THE_SPOT)
     if stated.kind == "clip":  # it is told a rest with distances alone
@@ -163,7 +162,7 @@ def _usable(scenario: Scenario, way: int) -> Pair:
 
 
 def hears(scenario: Scenario) -> bool:
-    """True if a governor's odometry is young enough to be used."""
+    """True if a governor's odometry is recent enough to be used."""
     stated, age = scenario.filter, scenario.section(VelocityMean).velocity_age
     young = age <= stated.age + NEAR * scenario.clock.control
     return stated.kind == "governor" and stated.odometry is not None and young
@@ -248,7 +247,7 @@ def _cost(
     overrides: Mapping[str, Intervals],
     of: Callable[[Scenario], Pair | None] | None = None,
 ) -> Pair | None:
-    """Loss of usable speed for a more demanding statement; None if the filter refuses it."""
+    """Loss of usable speed under a more demanding statement; None if the filter refuses it."""
     try:
         less = (of or usable_speed)(override(scenario, overrides))
     except ScenarioError:

@@ -36,7 +36,9 @@ SHAKEN = 0.25
 
 
 def contradicted(loop: Loop) -> Iterator[Warning]:
-    """Yield bounds that the scenario violates: stated and, with the guard on, believed ones."""
+    """Yield violated bounds: those that the scenario states and, with the guard on, believed
+    ones.
+    """
     setup = loop.setup
     for item in setup.broken if loop.guarded else contradictions(setup.scenario, setup.bound):
         yield Warning(item.key, item.sentence, PLACE)
@@ -55,9 +57,9 @@ def guard_price(loop: Loop) -> Iterator[Warning]:
 
 
 def void_effects(setup: Setup) -> Iterator[str]:
-    """Yield, for each effect that violates an assumption, its key, the reason and the remedy.
+    """Yield the key, the reason and the remedy of each effect that violates an assumption.
 
-    Runs report it by a separate remark, and it is no fault.
+    Runs report it by a separate remark, and it does not count as a fault.
     """
     for effect in setup.effects:
         bound = effect.bounded(setup.scenario)
@@ -85,7 +87,7 @@ def _too_fast(loop: Loop, price: SpeedPrice, axis: int) -> Warning:
 
 
 def violent_alpha(loop: Loop) -> Iterator[Warning]:
-    """Yield a velocity error that the guard's slope turns into shaking torques."""
+    """Yield a velocity error that the guard's slope turns into restless torques."""
     if not loop.guarded:
         return
     guard, robot, numbers = loop.scenario.guard, loop.scenario.robot, loop.setup

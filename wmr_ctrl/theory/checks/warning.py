@@ -29,5 +29,5 @@ def is_taken(scenario: Scenario, changes: Mapping[str, object], law: str | None)
 
 
 def as_tuned(loop: Loop) -> str:
-    """End of a sentence: where to find gains that fit; empty for a law that is not tuned."""
+    """End of a sentence: where to find suitable gains; empty for a law that is not tuned."""
     return ", as `wmr-ctrl tune` finds them" if loop.setup.control_law.tuned else ""

@@ -20,7 +20,7 @@ NOTABLE = 0.01
 
 
 def pushed_through(loop: Loop) -> Iterator[Warning]:
-    """Yield the first phase in which the barrier is too weak at the start's v_c0."""
+    """Yield the first phase in which the barrier is too weak for the start's v_c0."""
     outside = (np.abs(loop.start.v) > loop.scenario.limits.v_u1).any()
     if loop.guarded or outside or not loop.has_barrier:
         return

@@ -28,13 +28,13 @@ ASKED = "corridor.asked"
 def find_corridor(
     scenario: Scenario, law: str, *, whole: bool = False, work: float = math.inf
 ) -> Corridor:
-    """The Corridor of ``law`` on ``scenario``; raises what `settle` raises.
+    """The Corridor of ``law`` on ``scenario``; raises the errors of `settle`.
 
-    On a circle or a line it is valid for ever, or until the robot changes. ``whole``: also for the
-    scenario's whole run, along any path, with all changes and with drives and commands as a run
-    finds them, which takes some seconds; where that takes more than this ``work``
+    On a circle or a line it is valid for ever, or until the robot changes.  ``whole``: also for the
+    scenario's whole run, along any path, with all changes and with the initial state of drives and
+    commands of a run.  That takes some seconds; if it needs more than this ``work``
     (`wmr_ctrl.theory.checks.budget`), it is refused as "not checked". Without python-flint (the
-    extra ``proofs``) its ``refused`` is NOT_CHECKED.
+    extra ``proofs``) ``refused`` is NOT_CHECKED.
     """
     setup = settle(scenario, law)
     if not is_open():
@@ -53,9 +53,9 @@ def certified_corridor(scenario: Scenario, law: str) -> Corridor:
 def corridor_course(scenario: Scenario, law: str, *, whole: bool = True) -> Corridor | None:
     """The Corridor of the scenario's runs, with its ``course``; None without one.
 
-    The course (2, n) has one column that is valid ``until`` the robot changes, or for ever; or, if
-    one corridor is not valid for all of a run that begins on its path, one column per sample of
-    that run, which takes some seconds, and is left out without ``whole``.
+    The course (2, n) has one column if it is valid ``until`` the robot changes, or for ever.  If no
+    such corridor is valid for all of a run that begins on its path, the course has one column per
+    sample of that run.  That takes some seconds, and is omitted without ``whole``.
     """
     setup = settle(scenario, law)
     return proofs(ASKED).course_of(setup, whole) if is_open() else None
@@ -76,10 +76,10 @@ def is_covered(run: Run) -> bool:
 
 
 def left_corridor(run: Run) -> CorridorLeft | None:
-    """The first time at which a run leaves the corridor that it had settled in; None without one.
+    """First time at which a run leaves the corridor in which it had settled; None if it never does.
 
-    Meant for runs that no proof covers: on the rigid body, on another author's plant, under a
-    master that delays torques, and with effects of other packages; None without python-flint.
+    It is for runs that no proof covers: on the rigid body, on another author's plant, under a
+    master that delays torques, and with effects of other packages.  None without python-flint.
     """
     scenario = scenario_of_run(run)
     if scenario is None or run.law not in LAWS or LAWS[run.law].inside is None:

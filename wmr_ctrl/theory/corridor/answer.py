@@ -24,25 +24,26 @@ class Corridor:
 
     ``position`` [m] and ``heading`` [rad]: the largest deviation from the path at plant steps, if
     the robot starts on it.  ``linear`` [m]: the position deviation of a linear loop, which a push
-    attains; None without such a loop.  ``binding`` names the limit that comes nearest to acting
-    (the wheels' limit, the guard, a limit of the law), ``share`` how near.
+    attains; None without such a loop.  ``binding``: name of the limit that comes nearest to acting
+    (the wheels' limit, the guard, a limit of the law); ``share``: how near.
 
     ``push``: largest torque on each wheel [N m], held over a sample; ``pose``: largest error of the
-    measured position [m]; ``velocity``: that of each measured velocity; ``mass`` [kg]. ``until``
+    measured position [m]; ``velocity``: that of each measured velocity; ``mass`` [kg].  ``until``
     [s]: the robot's first change, None without one.
 
-    ``refused`` says why there is none; ``closes``: share of push and errors with which there is
-    one, from a share ``near`` of ``start``; None if none was found. ``alone``: that was tried for
-    the refused cell of masses alone. ``masses``: intervals of mass and inertia [kg, kg m2], None
-    for ``mass`` alone.  ``start``: initial bounds of e [m, m, rad]; ``position_late`` [m]: the
-    position deviation in the long run. ``late``: what drives, or the base's own loop, contain at
-    the start, as text; empty if nothing. ``missing``: largest number of consecutive samples without
-    a pose. ``anew``: mass or inertia may change from any of these values to any other. ``run`` [s]:
-    duration of the run that it is valid for, with all changes in it; else for ever. ``whole``: the
-    corridor of the whole run, if it was requested, and this one ends at a change of the robot or
-    excludes initial contents of drives. ``clearance``: distance left to the scenario's obstacles,
-    None without any.  ``checked``: it was, apart from its computation.  ``course`` (2, n): of a
-    run, position and heading in each sample.
+    ``refused``: why there is no corridor.  ``closes``: factor on push and errors for which there is
+    one; ``near``: the same factor on ``start``; None if none was found.  ``alone``: these were
+    tried only for the refused cell of masses.  ``masses``: intervals of mass and inertia [kg, kg
+    m2], None for ``mass`` alone.  ``start``: initial bounds of e [m, m, rad].  ``position_late``
+    [m]: the position deviation in the long run.  ``late``: initial contents of drives or of the
+    base's own loop, as text; empty if none.  ``missing``: largest number of consecutive samples
+    without a pose.  ``anew``: mass or inertia may change from any of these values to any other.
+    ``run`` [s]: duration of the run that the corridor is valid for, with all changes in it;
+    otherwise it is valid for ever.  ``whole``: the corridor of the whole run, if it was requested
+    and this one ends at a change of the robot or excludes initial contents of drives.
+    ``clearance``: distance left to the scenario's obstacles, None without any.  ``checked``: the
+    independent checker accepted it.  ``course`` (2, n): position and heading in each sample of a
+    run.
     """
 
     law: str
@@ -74,7 +75,7 @@ class Corridor:
 
     @property
     def merit(self) -> tuple[bool, float]:
-        """Figure of merit of a search, smaller is better: whether it is refused, then a distance
+        """Figure of merit for a search, smaller is better: whether it is refused, then a distance
         [m].
 
         A certified corridor ranks before any refused one, however wide it is.  The distance is the

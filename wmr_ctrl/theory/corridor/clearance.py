@@ -1,7 +1,7 @@
 """Clearance between a path and the obstacles, less body and corridor.
 
-The path is sampled on a grid of times; between two of them it moves no farther than its speed
-admits, and half of that is subtracted, so that no obstacle is missed in between.
+The path is sampled on a grid of times.  Between two of them it moves no farther than its speed
+admits, and half of that is subtracted, so that no obstacle is missed.
 """
 
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 """Response of the linear loop to a start off the reference, sample by sample.
 
-Also the tools to compare it with runs: poses of such a start, and tracking errors of a run.
+It also has tools to compare it with runs: poses of such a start, and tracking errors of a run.
 """
 
 from collections.abc import Sequence
@@ -33,8 +33,8 @@ def operating_point(scenario: Scenario, law: str) -> Point:
 def linear_answer(scenario: Scenario, law: str, at: Point, samples: int) -> Floats:
     """Gradient (samples, 3, 3) of the tracking error by its start value, linearised near ``at``.
 
-    Sampled with the scenario's clock, including drives, sensors and rare poses; estimates and
-    weights move.  If the desired velocity varies, the loop is linearised on the reference at
+    Sampled with the scenario's clock, including drives, sensors and rare poses.  Estimates and
+    weights are states.  If the desired velocity varies, the loop is linearised on the reference at
     `INSTANTS` times, with the learned values of ``at``.
     """
     loop, period = law_loop(scenario, law), scenario.clock.control

@@ -62,8 +62,8 @@ SLOW_PARTS = 8
 class LinearReport:
     """Figures of one law on one scenario, linearised at the time ``at`` [s] of the reference.
 
-    If the desired velocity varies, that is the requested time, else the time of the largest
-    velocity. ``guarded``: the guard is on, and inactive there.
+    If the desired velocity varies, ``at`` is the requested time, else the time of the largest
+    velocity.  ``guarded``: the guard is on, and inactive there.
 
     Poles in 1/s; times in s; ``margins`` per generalised force, continuous and ``sampled`` with the
     scenario's clock.  None: there is no such limit, or it does not apply.
@@ -193,10 +193,10 @@ def report_linear(
 ) -> LinearReport:
     """All figures of ``law`` on ``scenario`` at the time ``at`` [s] of the reference.
 
-    By default that is where the reference is fastest; stability and the largest stable period are
-    those of its whole period, or of its worst point.  With ``guard`` the guard is on; ArgumentError
-    if it acts at that point, and for a time outside the run.  Raises UnknownNameError or
-    ScenarioError. ``progress`` is called with the share that is done.
+    By default that is the time when the reference is fastest; stability and the largest stable
+    period are those of its whole period, or of its worst point.  With ``guard`` the guard is on;
+    raises ArgumentError if it acts at that point, and for a time outside the run.  Raises
+    UnknownNameError or ScenarioError.  ``progress`` is called with the share that is done.
     """
     shares = (min(1.0, k / SLOW_PARTS) for k in count(1))
 

@@ -44,7 +44,7 @@ OWN = {"first-order": "tau", "second-order": "frequency"}
 
 @dataclass(frozen=True)
 class Margins:
-    """Margins at one generalised force; None where there is no such margin.
+    """Margins at one generalised force; None if there is no such margin.
 
     ``gain`` upwards and ``gain_down`` downwards [ratio], ``phase`` [degrees], ``delay`` [s],
     ``disk`` (alpha of the balanced disk), ``disk_gain`` [ratio], ``disk_phase`` [degrees].
@@ -90,7 +90,7 @@ def open_loop(
 def margins_at(
     scenario: Scenario, law: str, axis: int, point: Point | None = None, period: float | None = None
 ) -> Margins | None:
-    """Margins at force ``axis``; None where the closed loop is unstable."""
+    """Margins at force ``axis``; None if the closed loop is unstable."""
     loop = open_loop(scenario, law, axis, point, period)
     if not is_stable(ct.feedback(loop, 1).poles(), bool(loop.dt)):
         return None
@@ -147,7 +147,7 @@ def worst(given: list[Margins | None]) -> Margins | None:
 
 @checks_arguments
 def with_robot(scenario: Scenario, m: float = 1.0, I: float = 1.0, mu: float = 1.0) -> Scenario:
-    """The scenario with scaled mass, inertia and friction of the robot; the model stays."""
+    """The scenario with scaled mass, inertia and friction of the robot; the laws' model stays."""
     robot, believed = scenario.robot, scenario.believed
     other = replace(robot, m=m * robot.m, I=I * robot.I, mu=mu * robot.mu)
     return replace(scenario, robot=other, model=Model(m=believed.m, I=believed.I, mu=believed.mu))
@@ -191,7 +191,8 @@ def _roots(of: Callable[[float], float], grid: Floats, values: Floats) -> list[f
 
 @dataclass(frozen=True)
 class ModelError:
-    """Margins with one parameter of the robot times ``factor``, and the law's model unchanged.
+    """Margins if one parameter of the robot is multiplied by ``factor``, with the law's model
+    unchanged.
 
     Phase margin [degrees] and disk margin of the worse force; None if the loop is unstable.
     """

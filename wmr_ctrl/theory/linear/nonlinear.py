@@ -1,7 +1,8 @@
 """The nonlinear loop as a python-control object, `control.nlsys`: reference, law and plant.
 
-Continuous time (the law read continuously) or sampled with the scenario's clock, with exactly the
-law that the compiled code computes. All signals have their names from the catalogue.
+In continuous time (with the law interpreted continuously) or sampled with the scenario's clock,
+with exactly the law that the compiled code computes.  All signals have their names from the
+catalogue.
 """
 
 from collections.abc import Mapping
@@ -28,10 +29,10 @@ def loop_nlsys(scenario: Scenario, law: str, sampled: bool = False) -> ct.Nonlin
     """The whole nonlinear loop: from disturbing torques and body force to pose, velocity and
     torques.
 
-    Its state is the law's memory, then pose and velocity; its initial state is `start_of`. The
-    sampled loop steps at the control period, by the clock's Runge-Kutta steps. Read continuously, a
-    memory's rate is its change over one period: for explicit Euler steps (weights, estimates) that
-    is the law as published; a remembered sample (PID) becomes a first-order lag of one period.
+    Its state is the law's memory, then pose and velocity; its initial state is `start_of`.  The
+    sampled loop steps at the control period, by the clock's Runge-Kutta steps.  In continuous time
+    a memory's rate is its change over one period.  For explicit Euler steps (weights, estimates)
+    that is the law as published; a remembered sample (PID) becomes a first-order lag of one period.
     """
     check_takes_torques(scenario, "loops of python-control are made")
     acting, moving, clock = controller(settle(scenario, law)), plant(scenario), scenario.clock

@@ -93,8 +93,8 @@ def regressor_square(scenario: Scenario) -> tuple[float, Floats]:
 def kink_periods(scenario: Scenario, law: str) -> Floats | None:
     """Longest stable period (2) [s] at v = v_u2 with v_c0 beyond it; None without a barrier.
 
-    At the kink the rate of the velocity loop is rho instead of rho/2: 2/rho for mb.  inf for a law
-    that adapts its gains such that no period is too long.
+    At the kink the rate of the velocity loop is rho instead of rho/2, so the limit is 2/rho for mb.
+    inf for a law that adapts its gains so that no period is too long.
     """
     loop = law_loop(scenario, law)
     if not loop.has_barrier or loop.setup.takes_velocity:

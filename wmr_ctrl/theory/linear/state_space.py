@@ -1,7 +1,7 @@
 """The closed loop as python-control objects: plant, law, both joined, and along a reference.
 
 ``memory`` selects the treatment of the law's memory: "frozen" keeps estimates and weights constant
-(a remembered sample stays part of the loop), "learning" lets them move.
+(a remembered sample stays part of the loop), "learning" makes them states.
 """
 
 import casadi as ca
@@ -39,7 +39,7 @@ STILL = 1e-12
 
 
 def is_learning(memory: str) -> bool:
-    """True if estimates and weights move; raises UnknownNameError for another reading."""
+    """True if estimates and weights are states; raises UnknownNameError for another ``memory``."""
     if memory not in MEMORY:
         raise UnknownNameError("reading of the memory", memory, MEMORY)
     return memory == "learning"
@@ -94,8 +94,8 @@ def law_at(
     """The law near ``point``: e, v1, omega to force; continuous, or sampled with ``period`` [s].
 
     A law that uses the torque applied before remembers its commands, and its model of the drives.
-    Read continuously a law predicts nothing, and its drives are ideal: there is no delay to predict
-    over.
+    In continuous time a law predicts nothing, and its drives are ideal: there is no delay to
+    predict over.
     """
     check_reading(scenario, period)
     loop, own = law_loop(scenario, law), scenario.clock.control if period is None else period
