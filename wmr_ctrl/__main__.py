@@ -8,7 +8,7 @@ import sys
 def main() -> None:
     """Import the commands, during which Ctrl-C ends the process silently, and run the command line.
 
-    Whoever ignores Ctrl-C, as a shell's background does, goes on ignoring it.
+    If the process already ignores Ctrl-C, as in a shell's background, it continues to ignore it.
     """
     # Threads of OpenBLAS wait busily for each other: twenty times the work for matrices as small as
     # these on a busy machine.
@@ -31,7 +31,7 @@ def main() -> None:
 def _interrupt(number: int, _: object) -> None:
     """Raise KeyboardInterrupt, and raise it again if library code dropped it.
 
-    Code of a library, CasADi's where it builds expressions, may drop an exception of Python's.
+    Library code, such as CasADi's while it builds expressions, may drop a Python exception.
     """
     from wmr_ctrl.cli.console import Interruption
 

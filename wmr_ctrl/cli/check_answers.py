@@ -120,8 +120,8 @@ def find_answers(
 ) -> Answers:
     """Compute the answers for these laws; with ``only``, just those that this subject needs.
 
-    ``asked``: those that were named; ``work``: the most for warnings, and for stable ranges, of a
-    law (`wmr_ctrl.theory.checks.budget`); ``corridors``: whether there are any.
+    ``asked``: the laws that the user named; ``work``: largest work for warnings, and for stable
+    ranges, of a law (`wmr_ctrl.theory.checks.budget`); ``corridors``: whether to compute any.
     """
     warned, stable, tubes, bare = {}, {}, {}, only == "corridor"
     with Progress("what theory says") as progress:
@@ -140,7 +140,7 @@ def find_answers(
 
 
 def laws_for(scenario: Scenario) -> tuple[str, ...]:
-    """Laws that the stated numbers of the robot are enough for."""
+    """Laws that need no further numbers of the robot than the stated ones."""
     return tuple(law for law in LAWS if not lacking(scenario, law))
 
 
@@ -228,7 +228,7 @@ def _filter_lines(setup: Setup) -> Iterator[str]:
 
 
 def _grip(case: Scenario) -> dict[str, float | None]:
-    """Torques of the tyres' grip [N m], null where the robot is not known."""
+    """Torques of the tyres' grip [N m], null if the robot is not known."""
     known = not unknown_keys(case)
     torques = {**asdict(grip(case)), "reference": checks.reference_torque(case)}
     return {name: torque if known else None for name, torque in torques.items()}
@@ -245,7 +245,7 @@ def _merged(answers: Answers) -> Iterator[tuple[str | None, checks.Warning]]:
 def head(answers: Answers, detailed: bool = False) -> Iterator[str]:
     """Questions about units, the promise, and the findings that do not depend on the law.
 
-    With ``detailed``, all `findings` follow, so that what they repeat is left out here.
+    With ``detailed``, all `findings` follow, so anything that they repeat is omitted here.
     """
     case = answers.scenario
     yield wrapped(check_sentences.valid(case))
@@ -326,7 +326,7 @@ def _cells(answers: Answers, law: str) -> Iterator[str]:
 
 
 def _reasons(answers: Answers, law: str) -> Iterator[str]:
-    """Keys of the findings on this law only; in brackets if they are no objections."""
+    """Keys of the findings on this law only, in brackets if they are not objections."""
     held = _own(answers, law)
     objected = {item.key for item in held if item.objects}
     for key in dict.fromkeys(item.key for item in held):

@@ -44,7 +44,9 @@ TUNE = "lower the gains (`wmr-ctrl tune`), or measure better"
 
 
 def remedies(objections: Mapping[str, str]) -> Iterator[str]:
-    """Lines that say what to change for objections, texts by key; the text without a `REMEDIES`."""
+    """Lines that say what to change, for objections (texts by key): the remedy if there is one,
+    else the text.
+    """
     for place, (key, text) in enumerate(objections.items()):
         head = "" if place else "\nWhat to change:\n"
         yield head + wrapped(f"{key}: {remedy(key) or text}", indent="  ", hang="  ")
@@ -67,13 +69,13 @@ def rest(arrival: float, duration: float) -> str:
 
 
 def valid(case: Scenario) -> str:
-    """The scenario is valid; its title."""
+    """Sentence that the scenario is valid, with its title."""
     title = title_of(case)
     return f"{case.name} is valid{f' ({title})' if title else ''}."
 
 
 def promise(setup: Setup) -> str:
-    """The promise on the limits, if any: who gives it, and under which assumptions."""
+    """The promise on the limits, if any: its source and its assumptions."""
     case = setup.scenario
     axes = zip(("v1", "omega"), case.limits.sides, ("m/s", "rad/s"), strict=True)
     limits = " and ".join(

@@ -1,4 +1,4 @@
-"""Sentences of ``wmr-ctrl check`` on limits that change and on stops before what is in the way."""
+"""Sentences of ``wmr-ctrl check`` on limits that change and on stops before obstacles."""
 
 import math
 from collections.abc import Iterator
@@ -28,14 +28,16 @@ BACK = (", backwards,", ", to the right,")
 
 
 def stopping_table(case: Scenario) -> list[Stopping] | None:
-    """Distances of stops from several speeds; None for a filter that is told no distance."""
+    """Distances of stops from several speeds; None for a filter that receives no distance."""
     if not case.takes_velocity or not case.filter.is_told or case.filter.free_error is None:
         return None
     return [stopping(case, share * fastest(case)) for share in SPEEDS]
 
 
 def stopping_numbers(case: Scenario) -> dict[str, object]:
-    """The same, and what more uncertainty costs, for JSON; null where no distance is told."""
+    """`stopping_table` and the cost of more uncertainty, for JSON; null if no distance is
+    received.
+    """
     table = stopping_table(case)
     return {
         "stopping": table and [asdict(row) for row in table],
@@ -44,7 +46,7 @@ def stopping_numbers(case: Scenario) -> dict[str, object]:
 
 
 def stop_promise(case: Scenario) -> str:
-    """What a filter promises of stops; empty if nothing."""
+    """A filter's promise about stops; empty if there is none."""
     if not (table := stopping_table(case)):
         return ""
     return (
@@ -54,7 +56,7 @@ def stop_promise(case: Scenario) -> str:
 
 
 def stop_lines(setup: Setup) -> Iterator[str]:
-    """Stops, how the base leaves, and times of lowered limits; none if it is told nothing."""
+    """Stops, how the base leaves, and times of lowered limits; none without such inputs."""
     case = setup.scenario
     if table := stopping_table(case):
         yield from _distances(case, table)

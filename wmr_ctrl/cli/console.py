@@ -29,7 +29,7 @@ COLOURS = {"error": "red", "warning": "yellow", "note": "cyan", "wrote": "green"
 
 
 def width() -> int:
-    """Columns to fill: the terminal's, 80 where there is none, never more than 100."""
+    """Columns to fill: the terminal's, 80 without a terminal, never more than 100."""
     return max(40, min(WIDEST, shutil.get_terminal_size((80, 24)).columns))
 
 
@@ -54,7 +54,7 @@ def wrapped(text: str, indent: str = "", hang: str = "") -> str:
 
 
 def print_json(value: object) -> None:
-    """Print one JSON document on stdout, with null for whatever is not a finite number."""
+    """Print one JSON document on stdout, with null for every number that is not finite."""
     click.echo(json_text(value))
 
 
@@ -127,7 +127,9 @@ def write_file(path: str | None, function: str, content: object, text: str = "")
 
 @contextmanager
 def resumable(record: Path) -> Iterator[None]:
-    """Context of long work that keeps a ``record``; after an interruption, say how to continue."""
+    """Context of long work that keeps a ``record``; after an interruption it prints how to
+    continue.
+    """
     try:
         yield
     except BaseException as error:

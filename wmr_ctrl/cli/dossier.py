@@ -47,9 +47,9 @@ def kind_of(setup: Setup) -> str:
 
 
 def document(setup: Setup, source: str) -> dict[str, object]:
-    """All that the page says, as ``--json`` prints it; ``source`` names the scenario's file.
+    """All contents of the page, as ``--json`` prints them; ``source`` names the scenario's file.
 
-    Raises ArgumentError where nothing is promised, or a claim is not as the committed ledger says.
+    Raises ArgumentError if nothing is promised, or a claim differs from the committed ledger.
     """
     _refuse(setup)
     case, links = setup.scenario, promises.chain(kind_of(setup))
@@ -95,7 +95,7 @@ def _refuse(setup: Setup) -> None:
 
 
 def _rows(table: str, setup: Setup) -> Iterator[dict[str, Any]]:
-    """Rows that are about this promise, its loops and what it has."""
+    """Rows that concern this promise, its loops and its options."""
     of, own = kind_of(setup), setup.scenario.filter
     for row in TABLES[table]:
         loops = row.get("loop", own.loop[0]) in own.loop
@@ -104,7 +104,7 @@ def _rows(table: str, setup: Setup) -> Iterator[dict[str, Any]]:
 
 
 def assumptions(setup: Setup, source: str) -> Iterator[dict[str, object]]:
-    """Rows of what the promise counts on, each with the source that the scenario's file names."""
+    """Rows of the promise's assumptions, each with the source that the scenario's file names."""
     case, beside = setup.scenario, notes(source)
     derived = assumption_sources(case, setup.guard, setup.effects)
     for row in _rows("assumption", setup):
@@ -128,9 +128,9 @@ def assumptions(setup: Setup, source: str) -> Iterator[dict[str, object]]:
 def _argument(
     links: Iterable[promises.Link], entries: Mapping[str, ledger.Entry]
 ) -> Iterator[dict[str, Any]]:
-    """The links' entries, and those that they rest on.
+    """The links' entries, and the entries that these depend on.
 
-    ArgumentError where one does not hold, or is about another graph.
+    Raises ArgumentError if one does not hold, or is about another graph.
     """
     claims = {claim.id: claim for claim in proofs("claims").all_claims()}
     found = dict[str, str]()
@@ -170,14 +170,16 @@ def _functions(setup: Setup) -> set[str]:
 
 
 def responses(setup: Setup) -> Iterator[dict[str, object]]:
-    """Rows of events and reactions with their times [s]; None for what nobody states."""
+    """Rows of events and reactions with their times [s]; None for unstated times."""
     times = _of_guard(setup) if kind_of(setup) == "guard" else _of_filter(setup)
     for row in _rows("response", setup):
         yield row | {"seconds": times.get(row["seconds"])}
 
 
 def _of_filter(setup: Setup) -> dict[str, float | None]:
-    """Times [s] by the names of the table; steps of a band are off their beat."""
+    """Times [s] by the names of the table; a band's steps may be off their beat by twice the
+    jitter.
+    """
     own, period = setup.scenario.filter, setup.scenario.clock.control
     latest = max(most for _, most in own.intervals("delay"))
     off = own.jitter * (2 if own.kind == "band" else 1 + own.losses)
@@ -191,7 +193,7 @@ def _of_filter(setup: Setup) -> dict[str, float | None]:
 
 
 def _of_guard(setup: Setup) -> dict[str, float | None]:
-    """Times [s] by the names of the table; some only where nothing is late."""
+    """Times [s] by the names of the table; some exist only if nothing is late."""
     case, numbers, period = setup.scenario, setup.guard, setup.scenario.clock.control
     back = list[float]()
     for i in (0, 1):

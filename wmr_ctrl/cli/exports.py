@@ -1,4 +1,4 @@
-"""``wmr-ctrl export``, ``codegen`` and ``page``: what is written for other tools."""
+"""``wmr-ctrl export``, ``codegen`` and ``page``: files for other tools."""
 
 from __future__ import annotations
 
@@ -72,7 +72,9 @@ def export(
 def _note_idle(
     what: str, law: object, case: Scenario, scenario: str, assignments: tuple[str, ...]
 ) -> None:
-    """Note keys that have no effect, except for a filter alone, which any base may have."""
+    """Note keys that have no effect, unless the output is a filter alone, which any base may
+    have.
+    """
     from wmr_ctrl.codegen.package import FILTER
     from wmr_ctrl.control.laws.registry import LAWS
 

@@ -1,4 +1,4 @@
-"""``wmr-ctrl scenarios`` and ``laws``: what there is, and any scenario as TOML to edit."""
+"""``wmr-ctrl scenarios`` and ``laws``: lists, and any scenario as TOML to edit."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def _print(name: str, as_json: bool, complete: bool, assignments: tuple[str, ...
 
 
 def _left_out(scenario: Scenario) -> str:
-    """Comment on the changes that are left out, and on guard masses that may be meant for them."""
+    """Comment on the omitted changes, and on guard masses that may be meant for them."""
     times = " and ".join(f"{item.t:g} s" for item in scenario.changes)
     text = f"changes at {times} are left out; --complete writes them"
     if scenario.guard.M_min is None and scenario.guard.M_max is None:

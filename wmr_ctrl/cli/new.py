@@ -1,4 +1,4 @@
-"""``wmr-ctrl new``: the user's own scenario, from robot files where there are some."""
+"""``wmr-ctrl new``: the user's own scenario, with or without robot files."""
 
 from __future__ import annotations
 

@@ -137,7 +137,7 @@ def command(name: str) -> Callable[[Callable[..., None]], click.Command]:
 
 
 def _parameter(about: Mapping[str, Any], key: str) -> click.Parameter:
-    """A parameter of a command: what all commands share of it, and what this one adds."""
+    """A parameter of a command: its common properties, and those that this command adds."""
     given = {**COMMANDS["shared"].get(key, {}), **about.get(key, {})}
     if "type" in given:
         given["type"] = TYPES[given["type"]]
@@ -168,7 +168,7 @@ def _checked(
 def load(scenario: str, assignments: Sequence[str] = (), guard: bool | None = None) -> Scenario:
     """Load a preset or a file, apply ``KEY=VALUE`` texts, and check the scenario.
 
-    ``guard`` switches the velocity guard on or off; None leaves it as it is.
+    ``guard`` switches the velocity guard on or off; None leaves it unchanged.
     """
     from wmr_ctrl.control.given import scenario_of
     from wmr_ctrl.world.scenario import parse_assignments
@@ -190,7 +190,7 @@ def law_of(case: Scenario, law: str | None) -> str:
 def note_idle(
     case: Scenario, scenario: str, assignments: Sequence[str], laws: Sequence[str]
 ) -> None:
-    """Name on stderr what the user states and these laws do not read."""
+    """Name on stderr the stated keys that these laws do not read."""
     from wmr_ctrl.world.scenario import parse_assignments
     from wmr_ctrl.world.scenario.toml_io import stated_keys
 

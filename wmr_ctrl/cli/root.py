@@ -69,7 +69,9 @@ class Root(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command that is meant; raises UnknownNameError, with near names, for unknown ones."""
+        """The command of that name; raises UnknownNameError, with similar names, for unknown
+        ones.
+        """
         if args[0] not in self.commands and not args[0].startswith("-"):
             raise UnknownNameError("command", args[0], self.commands)
         return super().resolve_command(ctx, args)

@@ -73,7 +73,7 @@ def study(
 
 
 def _show_study(result: StudyOutcome, as_json: bool) -> None:
-    """Print what was made, and the shares of runs that kept the limits and that tracked."""
+    """Print the numbers of runs, and the shares of runs that kept the limits and that tracked."""
     from wmr_ctrl.report.study_shares import SHARE_HEADS, shares_of
     from wmr_ctrl.report.study_table import read_study
 

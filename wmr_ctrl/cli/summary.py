@@ -22,7 +22,7 @@ from .options import check_output
 def summary_text(run: Run, verbose: bool = False) -> str:
     """Text on a run: law, scenario, engine, verdict, and the figures that suit its base.
 
-    ``verbose``: remarks in full, what the guard relies on, and all figures.
+    ``verbose``: remarks in full, the guard's assumptions, and all figures.
     """
     guarded = ", guarded" if run.guard else ""
     rigid = "" if run.monitor.rigid is None else f", {run.settings.plant_kind} plant"
@@ -94,7 +94,7 @@ def drives_of(sources: Mapping[str, Run | RecordedDrive]) -> list[RecordedDrive]
 
 
 def draw_drives(drives: list[RecordedDrive], plot: str | None, *others: str | None) -> None:
-    """Draw drives into the file that is named; refuse the ``others``."""
+    """Draw drives into the named file; refuse the ``others``."""
     if any(others):
         raise ArgumentError(
             "--report and --animate are of a run, which a recorded drive is not. Use --plot."

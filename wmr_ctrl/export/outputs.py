@@ -27,7 +27,7 @@ _WRITERS = {
 
 
 def read_by(what: str) -> tuple[str, ...]:
-    """Names of the options of an output, which are those of the function that writes it."""
+    """Names of the options of an output: the arguments of the function that writes it."""
     return tuple(signature(_writer(what)).parameters)
 
 

@@ -61,11 +61,11 @@ Estimates = Mapping[str, Estimate]
 
 @dataclass(frozen=True)
 class Score:
-    """Prediction of the held-out third: shares of both speeds' variance, by the fit and by constant
-    velocities, and the time [s] at which that third begins.
+    """Prediction of the held-out third, beside a forecast of constant velocities.
 
-    ``usable_speed`` of a guard with the bounds, and what one newton more of dbar costs [m/s]; None
-    if the guard refuses them.
+    The shares of both speeds' variance that the fit and that forecast explain, and the time [s] at
+    which that third begins.  ``usable_speed`` of a guard with the bounds, and what one newton more
+    of dbar costs [m/s]; None if the guard refuses them.
     """
 
     foretold: Pair
@@ -167,9 +167,9 @@ class BaseIdentification(ABC):
 
     ``parameters`` maps a name to (value, low, high, verdict, seconds), SI units; ``bounds`` are the
     numbers for the guard or the filter; ``score`` says how well the held-out third was predicted,
-    of which ``curves`` are the speeds;
-    ``scenario`` can be run as it is. It has stand-ins for ``missing``, required keys that neither
-    the log determines nor anybody states; the file is written without them.
+    and ``curves`` are the predicted and measured speeds.  ``scenario`` can be run as it is.  It has
+    stand-ins for ``missing``, the required keys that neither the log nor a user gives; the file is
+    written without them.
     """
 
     name: str
@@ -232,7 +232,7 @@ class BaseIdentification(ABC):
 
 
 def verdict(share: float) -> str:
-    """Does the log determine a value, whose half-width is this share of its size."""
+    """Whether the log determines a value, from its half-width as a share of its size."""
     return DETERMINED if share <= SHARES[0] else ROUGHLY if share <= SHARES[1] else UNDETERMINED
 
 

@@ -187,7 +187,7 @@ def fitted_part(fit: Fit, end: float) -> Fit:
 
 
 def score_of(curves: Traces) -> Score:
-    """Score on the held-out last third, beside speeds that are held for `FREE_RUN`."""
+    """Score on the held-out last third, compared with speeds held constant for `FREE_RUN`."""
     held = curves.measured[seconds_begin(curves.t)]
     shares = np.full((2, 2), np.nan)
     for axis, foretold in enumerate(curves.foretold.T):

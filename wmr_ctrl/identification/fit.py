@@ -144,10 +144,10 @@ def climbed(
 ) -> tuple[Floats, P]:  # fmt: skip
     """Fisher scoring from ``theta``, damped until each step lowers the negative log-likelihood.
 
-    ``read`` gives a pass, with gradients if asked. No step is beyond ``reach`` or ``ends``. It ends
-    after ``passes`` steps and as many that failed, or when a step gains less than ``enough`` or
-    promises a tenth of that.  Gradients take most of a pass: after a step that lowered nothing,
-    trials omit them until one succeeds.
+    ``read`` gives a pass, with gradients if asked.  No step exceeds ``reach`` or leaves ``ends``.
+    The search ends after ``passes`` successful steps, after as many failed ones, or when a step
+    gains less than ``enough`` or promises a tenth of that.  Gradients take most of a pass: after a
+    failed step, trials omit them until one succeeds.
     """
     least, most = ends
     theta = np.clip(theta, least, most)
@@ -196,8 +196,7 @@ def scored(
 
 
 def ends(problem: LogProblem, free: Mask) -> tuple[Floats, Floats]:
-    """Lower and upper bounds (n,) of the search; noise is at least FINEST of the signal that it is
-    in.
+    """Lower and upper bounds (n,) of the search; noise is at least FINEST times its signal.
 
     Even the cleanest logs contain errors of integration, rounding and unmodelled effects.
     """

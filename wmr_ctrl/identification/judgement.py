@@ -1,8 +1,8 @@
 """Whether a fit of one axis explains its log, and by how much its intervals are widened if not.
 
 The questions are: do commands predict more of the residual; is the gain the same for all speeds,
-directions and times; is each number constant, and each delay; what remains, and is it better than a
-constant.  All are effects as shares of the speed, so that no distribution is assumed.
+directions and times; is each number constant, and each delay; how large is the rest, and is the fit
+better than a constant?  All effects are shares of the speed, so no distribution is assumed.
 """
 
 from __future__ import annotations
@@ -72,8 +72,9 @@ STRUCTURES = {name: Structure(**row) for name, row in data(__package__, "judgeme
 
 @dataclass(frozen=True)
 class Finding:
-    """Finding on a fit: index in `LEVELS`, a sentence, its key in the diagnosis if any, and the
-    range (least, most) of parameters that are not constant.
+    """Finding on a fit: index in `LEVELS`, a sentence, its key in the diagnosis if any, and ranges.
+
+    The ranges (least, most) are those of parameters that are not constant.
     """
 
     text: str
@@ -189,7 +190,7 @@ def _structures(fit: LoopFit, axis: int) -> Iterator[Finding]:
 
 
 def _shares(fit: LoopFit, member: str, top: float) -> list[float]:
-    """Further shares of its gain that a base with a structure may have."""
+    """Factors on the gain that are also possible if the base has a structure."""
     value, half = fit.values[member], fit.half_widths().get(member, 0.0)
     wide = math.exp(min(half, 3.0))
     shares = {

@@ -100,7 +100,9 @@ MENU: Mapping[str, Member] = {
 
 
 def axis_fit(log: AxisLog, loops: Names = tuple(LOOPS)) -> LoopFit:
-    """The likeliest loop of one axis with the structures that its log needs, and what it may be."""
+    """The likeliest loop of one axis with the structures that its log needs, and equally likely
+    fits.
+    """
     fit = plain = best_loop(log, loops)
     for _ in range(MOST):
         better = _one_more(fit)
@@ -206,7 +208,7 @@ def _again(
 
 
 def _refined(fit: LoopFit, name: str, starts: list[float]) -> LoopFit:
-    """Refit with a finer grid, between neighbouring starts, for a number that scoring fixes."""
+    """Refit from a finer grid between neighbouring starts, for a number that is not searched."""
     near = np.unique(starts)
     at = int(np.argmin(np.abs(near - fit.fixed[name])))
     ends = near[max(at - 1, 0)], near[min(at + 1, len(near) - 1)]

@@ -179,7 +179,7 @@ def contradictions(
 
 
 def explaining(white: Fit, bounds: GuardBounds) -> GuardBounds:
-    """The bounds, with dbar enlarged such that the guard's monitor accepts the whole log."""
+    """The bounds, with dbar enlarged so that the guard's monitor accepts the whole log."""
     dbar = list(bounds.dbar)
     for item in contradictions(white, bounds):
         dbar[item.axis] = four_digits(item.push * (1 + 1e-9), up=True)

@@ -5,11 +5,11 @@
     pi             v' = 2 zeta wn (w - v) + f,   f' = wn^2 (w - v)
     second-order   v'' = wn^2 (w - v) - 2 zeta wn v'
 
-The ramp is that of `world.command_ramp`.  The shape of a command u is 0 below a dead band, else
-|u| less an offset, at most its saturation.  Behind the ramp, w = K u (1 + curve |u|) + bias; K is
+The ramp is that of `world.command_ramp`.  The shape of a command u is 0 below a dead band, else |u|
+less an offset, at most its saturation.  Behind the ramp, w = K u (1 + curve |u|) + bias; K is
 ``back`` times as large backwards, and ``then`` times from a time ``when`` on.  The sensor shows the
-speed with a first-order lag.  What a fit leaves over is an autoregressive process, by whose inverse
-residuals and slopes are whitened.
+speed with a first-order lag.  The residual of a fit is modelled as an autoregressive process, whose
+inverse whitens residuals and gradients.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ class LoopFit(Pass):
     """A fit of one loop: its parameters as searched by ``names``, and its residuals.
 
     ``left`` (N,): speed less the predicted speed; ``fixed``: numbers that were not searched;
-    ``others``: fits that the log does not tell from this one.
+    ``others``: fits that the log cannot distinguish from this one.
     """
 
     log: AxisLog
@@ -178,7 +178,7 @@ class LoopFit(Pass):
 
     @property
     def vague(self) -> bool:
-        """True if a number of the loop is hardly determined: there are too many numbers."""
+        """True if a number of the loop is hardly determined: the model has too many numbers."""
         half = self.half_widths()
         vague = (half[name] > MOST_VAGUE for name in self.names if name not in LINEAR)
         return self.too_steep or any(vague)
@@ -235,7 +235,9 @@ class LoopFit(Pass):
 
     @property
     def alone(self) -> Mask:
-        """Mask (n,) of parameters of whose information one block of time has more than `ALONE`."""
+        """Mask (n,) of parameters for which one block of time has more than the share `ALONE` of
+        the information.
+        """
         blocks = np.diagonal(self.fisher, axis1=1, axis2=2)
         return np.asarray(blocks.max(axis=0) > ALONE * np.maximum(blocks.sum(axis=0), 1e-300))
 

@@ -43,7 +43,7 @@ def believed(
 ) -> tuple[Scenario, set[str], Origin]:
     """The scenario with the known numbers, the keys that it states, and its base scenario.
 
-    Values of `STAND_IN` are assumed where nobody states them.
+    Values of `STAND_IN` are assumed if nobody states them.
     """
     given, origin = known if known is not None else raw.base, Origin()
     stated = {*overrides, *stated_in(overrides)}
@@ -66,7 +66,7 @@ def believed(
 def with_limits(
     scenario: Scenario, sure: set[str], samples: Samples, base: str, remarks: list[str]
 ) -> tuple[Scenario, dict[str, str]]:
-    """The scenario with limits from the log where nobody stated any, and the keys to write.
+    """The scenario, with limits from the log if nobody stated any, and the keys to write.
 
     Some keys come with a comment.
     """
@@ -94,13 +94,15 @@ def with_limits(
 
 
 def beyond(scenario: Scenario, log: Samples) -> list[float]:
-    """Each limit over the largest speed of the log, at least 1."""
+    """Each limit divided by the largest speed of the log, at least 1."""
     pairs = zip(scenario.limits.v_u1, held_speeds(log), strict=True)
     return [max(limit / max(seen, LEAST_SEEN), 1.0) for limit, seen in pairs]
 
 
 def too_far(scenario: Scenario, far: Sequence[float]) -> str:
-    """Reason for which bounds from a log cannot hold up to the limits, `beyond` it; "" if none."""
+    """Reason why bounds from a log cannot be valid up to the limits, which are `beyond` it; "" if
+    none.
+    """
     for limit, share, unit in zip(scenario.limits.v_u1, far, UNITS, strict=True):
         if share > MOST_FAR:
             seen = limit / share
@@ -113,7 +115,7 @@ def too_far(scenario: Scenario, far: Sequence[float]) -> str:
 
 
 def refusal(scenario: Scenario, check: Callable[[Scenario], object]) -> str:
-    """Reason for which ``check`` or the scenario's other numbers refuse it; "" if they do not."""
+    """Reason why ``check`` or the scenario's other numbers refuse it; "" if they do not."""
     try:
         settle(scenario, None)
         check(scenario)
@@ -123,7 +125,7 @@ def refusal(scenario: Scenario, check: Callable[[Scenario], object]) -> str:
 
 
 def written(scenario: Scenario) -> Scenario:
-    """The scenario without unstated values on which nothing depends.
+    """The scenario without unstated values that nothing depends on.
 
     A value equal to its default need not be listed as assumed, so it is omitted.
     """

@@ -97,8 +97,8 @@ def _curves(axes: list[AxisLog], fits: Fits, cut: float) -> Traces:
 def same_loop(axes: list[AxisLog], driven: list[bool]) -> Fits:
     """Fits of both axes with one kind of loop: if their kinds differ, the likelier one for both.
 
-    The axis that it was forced on keeps its own fit among the `others`, so that its numbers are
-    as wide as both say.
+    The axis whose kind was changed keeps its own fit among the `others`, so that its intervals
+    cover both fits.
     """
     first, second = (
         axis_fit(axis) if moves else None for axis, moves in zip(axes, driven, strict=True)
@@ -110,7 +110,9 @@ def same_loop(axes: list[AxisLog], driven: list[bool]) -> Fits:
 
 
 def _forced(own: LoopFit, loop: str) -> LoopFit:
-    """Fit of a loop to an axis whose own is another; ``own`` is among its `others`."""
+    """Fit of a given kind of loop to an axis; ``own``, its fit of another kind, is among the
+    `others`.
+    """
     fit = axis_fit(own.log, (loop,))
     return replace(fit, others=(*fit.others, own))
 
@@ -254,7 +256,9 @@ def _filtered(
     far: Sequence[float],
     remarks: list[str],
 ) -> Scenario:
-    """The scenario with its filter on, if it can be based on the log; what is beyond is assumed."""
+    """The scenario, with its filter on if the log allows it; numbers beyond the log are marked as
+    assumed.
+    """
     unfounded = replace(result, assumed=(*result.assumed, *UNFOUNDED))
     stated = override(result, {"filter.kind": "clip"})
     if reason := _against(stated, judgements, estimates, far):
@@ -303,7 +307,7 @@ def _against(
 
 
 def _never_sent(stated: Scenario, judgements: Judgements, peaks: Sequence[PeakGain]) -> list[str]:
-    """Remarks on axes and directions whose commands stayed far below a clip's largest."""
+    """Remarks on axes and directions whose commands stayed far below a clip's largest command."""
     remarks = []
     for item, limit, peak in zip(judgements, stated.limits.v_u1, peaks, strict=True):
         most = (limit - peak.push) / peak.gain
@@ -321,8 +325,10 @@ def _never_sent(stated: Scenario, judgements: Judgements, peaks: Sequence[PeakGa
 def _ends(
     base: Scenario, both: Sequence[LoopFit], estimates: Estimates, far: Sequence[float]
 ) -> tuple[float, dict[str, list[Pair]]]:
-    """Delay [s], a multiple of the plant's step, and intervals of v and omega per kind of number:
-    those of a lone axis twice, and hulls where the filter takes no others.
+    """Delay [s], a multiple of the plant step, and intervals of v and omega per kind of number.
+
+    A lone axis gives its interval to both; where the filter takes only one interval, it is the
+    hull.
     """
     ends: dict[str, list[Pair]] = {}
     for key, item in estimates.items():

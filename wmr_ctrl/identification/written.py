@@ -1,4 +1,4 @@
-"""What `identify` writes: keys that were found, each with its interval and the log it is from."""
+"""Writer of `identify`: the keys found, each with its interval and the name of its log."""
 
 from __future__ import annotations
 

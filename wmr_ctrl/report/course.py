@@ -65,7 +65,7 @@ def course_of(run: Run) -> Course:
 
 
 def drawn_half_track(scenario: Scenario) -> float:
-    """Half the track [m], or less where a body of body.radius has no room for the drawing."""
+    """Half the track [m], or less if a body of body.radius has no room for the drawing."""
     radius = scenario.body.radius
     return scenario.robot.l if radius is None else min(scenario.robot.l, WITHIN * radius)
 
@@ -114,7 +114,7 @@ def course_behind(run: Run) -> Floats | None:
 def band(path: Floats, width: Floats) -> Floats:
     """Corners (2, 2m) of the band within ``width`` [m] (n) of a path (2, n), up to its first nan.
 
-    Where the path does not move, its largest width is used.
+    At points where the path does not move, the largest of their widths is used.
     """
     held = np.isfinite(width)
     path, width = path[:, held], width[held]

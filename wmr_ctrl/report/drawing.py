@@ -127,7 +127,9 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 def picture_targets(path: AnyPath | None, are_drawn: str) -> list[Path]:
-    """The path of a picture, or none; ``are_drawn``: such as "runs are drawn"; as `target_of`."""
+    """The path of a picture, or none; ``are_drawn``: a clause such as "runs are drawn"; as
+    `target_of`.
+    """
     known = f"{are_drawn} as {', '.join(PICTURES)}"
     return [] if path is None else [target_of(path, PICTURES, known)]
 
@@ -220,7 +222,7 @@ def include(axes: Axes, levels: Iterable[float]) -> None:
 
 
 def shade_limits(axes: Axes, least: float, most: float) -> None:
-    """Shade what lies beyond ``least`` and ``most``, draw its edges; the view stays as it is."""
+    """Shade the area beyond ``least`` and ``most`` and draw its edges; the view stays as it is."""
     low, high = axes.get_ylim()
     for start, end in ((most, max(high, most)), (min(low, least), least)):
         axes.axhspan(start, end, color=LIMIT, alpha=0.10, lw=0, zorder=0.5)
@@ -241,7 +243,8 @@ def limits_in_words(least: float, most: float) -> str:
 
 
 def view_limits(axes: Axes, sides: tuple[float, float], traces: Mapping[str, Floats]) -> None:
-    """View named velocities with their limits, up to FAR times these; what leaves the view is said.
+    """View named velocities with their limits, up to FAR times these; a remark names values
+    outside.
 
     The area beyond the limits is shaded.
     """
@@ -266,7 +269,7 @@ def say_below(axes: Axes, text: str) -> None:
 
 
 def switch_handles(settings: Settings) -> list[Line2D]:
-    """Legend's entry for :func:`mark_switch`; none where the robot never changes."""
+    """Legend's entry for :func:`mark_switch`; none if the robot never changes."""
     words = robots_over(settings)
     return [line_handle(words, MUTED, 0.9, _SWITCH)] if words else []
 

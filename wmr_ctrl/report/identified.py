@@ -33,7 +33,7 @@ def write_identification(
 ) -> None:
     """Write one self-contained page of HTML, or the picture in it, or both.
 
-    Speeds as measured and predicted, residuals with dbar or d; on the page also a
+    They show speeds as measured and predicted, and residuals with dbar or d; the page also shows a
     proposed ``drive``.  Files are written atomically.  Raises ResultFileError for another suffix or
     if a file cannot be written.
     """

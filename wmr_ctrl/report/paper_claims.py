@@ -190,7 +190,7 @@ class Judged:
 def load_claims() -> tuple[PaperClaim, ...]:
     """All claims in the report's order, each with its committed verdict.
 
-    Raises KeyError where a claim has no committed verdict, ValueError where a verdict has no claim.
+    Raises KeyError if a claim has no committed verdict, ValueError if a verdict has no claim.
     """
     entries, verdicts = (
         data(__package__, "claims.toml")["claim"],
@@ -254,9 +254,9 @@ def judge_all(evidence: Evidence) -> tuple[Judged, ...]:
 
 
 def judge(claim: PaperClaim, evidence: Evidence) -> Judged:
-    """Put a claim to its tests.
+    """Judge a claim by its tests.
 
-    The explanation is left out where the verdict is not the one that it was written for.
+    The explanation is omitted if the verdict is not the one that it was written for.
     """
     tests = tuple(Measured(t, evidence.values(t)) for t in claim.tests if evidence.has(t))
     verdict = verdict_of(tests, claim.never)

@@ -1,7 +1,7 @@
 """One run on one page: path, velocities with limits, errors, and curves for its base and law.
 
-Torques on a base that takes torques, the filter's changes on one that takes velocities; V1 of a law
-with a barrier, else the distance from the desired position.
+A base that takes torques gets a curve of torques, one that takes velocities the filter's changes.
+A law with a barrier gets V1, any other the distance from the desired position.
 """
 
 import math

@@ -30,7 +30,8 @@ class Actor:
     """A robot of an animation: its name, colour, and poses and velocities at the frames.
 
     ``pose`` (frames, 3): x, y [m], theta [rad]; ``velocity`` (frames, 2): v1 [m/s], omega [rad/s].
-    ``tube`` (frames,) [m]: width of its certified corridor, nan where there is none; None without.
+    ``tube`` (frames,) [m]: width of its certified corridor, nan at frames without one; None if no
+    frame has one.
     """
 
     label: str

@@ -98,7 +98,7 @@ def _by_group(table: StudyTable) -> Figure:
 def _boxes(
     axes: Axes, group: str, values: list[Floats], places: NDArray[np.floating], width: float
 ) -> None:
-    """Boxes in the look of a law and guard; runs far off are left out."""
+    """Boxes in the look of a law and guard; outliers are omitted."""
     guarded, colour = "guarded" in group, _colour(group)
     # Lines in the law's colour: a box may be thinner than its outline.
     line = {"color": colour, "linestyle": style.DOTTED if guarded else "-"}

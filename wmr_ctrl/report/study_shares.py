@@ -23,7 +23,7 @@ SHARE_HEADS = ("", "runs", "kept the limits", "tracked")
 class Share:
     """Runs of a cell: their number, the share that kept the limits, and the share that tracked.
 
-    ``refused``: runs that the guard refused, which are not among ``runs``; a share is None where no
+    ``refused``: runs that the guard refused, which are not among ``runs``; a share is None if no
     run was made, or the study does not have the figure.
     """
 

@@ -66,7 +66,7 @@ AFTER_DARK: Mapping[str, str] = _DATA["after_dark"]
 
 
 def after_dark(colour: str) -> str:
-    """A colour where a reader has asked for dark pages."""
+    """The variant of a colour for readers who prefer dark pages."""
     return AFTER_DARK.get(colour, colour)
 
 
@@ -79,7 +79,9 @@ def look(law: str) -> Look:
 
 
 def colours_of(laws: Sequence[str]) -> list[str]:
-    """Colours of runs of ``laws``: their own; of a repeated law that of another, if any is left."""
+    """Colours of runs of ``laws``: each law's own; a repeated law gets an unused one, if any is
+    left.
+    """
     every = [one.colour for one in (*_LOOKS.values(), *_SPARE)]
     own, taken = [look(law).colour for law in laws], list[str]()
     free = iter([colour for colour in every if colour not in own])

@@ -24,7 +24,7 @@ FILES = ("report.html", "table.csv", "runs.csv", "claims.json")
 
 @dataclass(frozen=True)
 class Verdicts:
-    """The verdict on every claim, the table that they use, and the files that were written."""
+    """The verdict on every claim, the table behind it, and the files that were written."""
 
     judged: tuple[Judged, ...]
     table: RunTable

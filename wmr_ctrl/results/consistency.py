@@ -28,7 +28,7 @@ _WORDS = (("moved ahead at", "v1", "m/s"), ("turned at", "omega", "rad/s"))
 def kept(run: Run) -> bool | None:
     """True if both speeds stayed within their limits.
 
-    None if the plant contradicts itself, or an FMU ended the run.
+    None if the plant's pose and speeds contradict each other, or an FMU ended the run.
     """
     if contradictions(run) or run.outcome is Outcome.FAILED or not run.rows:
         return None
@@ -63,7 +63,7 @@ def contradictions(run: Run) -> dict[str, str]:
 
 
 def _apart(run: Run, moved: Floats, said: Floats, speed: Floats, room: Floats) -> dict[str, str]:
-    """The part of a run with the largest excess difference of moves (n, 2) and speeds, if any.
+    """Part of a run in which the moves (n, 2) most exceed what the speeds explain, if any.
 
     ``speed``: at the n + 1 samples; ``room``: tolerance for noise, and a speed that is not judged.
     """

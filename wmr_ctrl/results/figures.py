@@ -34,7 +34,7 @@ SHARES = ("violated", "tracked")
 
 @dataclass(frozen=True)
 class Sum:
-    """Rule that makes a figure from the loop's sums over a window, named with "+" between.
+    """Rule that makes a figure from the loop's sums over a window; several names are joined by "+".
 
     ``over``: the name of a window of `windows_of`; ``how``: "rms" of ``count`` numbers a sample,
     "mean", "largest" (of which the root is taken), or "integral" over time.
@@ -101,7 +101,7 @@ READINGS: Mapping[str, Callable[[Run], object]] = {
 
 
 def _stopped(run: Run) -> tuple[float, ...] | None:
-    """Time at which a run ended early, also by a fall of the rigid body."""
+    """Time at which a run ended early, including a fall of the rigid body."""
     rigid = run.monitor.rigid
     tipped = None if rigid is None else rigid.tipped
     return run.monitor.stopped if tipped is None else (tipped,)

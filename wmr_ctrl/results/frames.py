@@ -109,7 +109,7 @@ def labels(run: Run) -> dict[str, object]:
 
 
 def run_html(run: Run) -> str:
-    """A run's labels, outcome, the figures that matter for its base, and remarks."""
+    """A run's labels, outcome, the figures that suit its base, and remarks."""
     guarded = ", guarded" if run.guard else ""
     figures = cast("list[tuple[str, str]]", late_bound("rows_of")(run))
     remarks = [(remark.key, remark.text) for remark in run.remarks]

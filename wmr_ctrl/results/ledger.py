@@ -30,19 +30,19 @@ class Entry:
     """One checked claim.
 
     ``equations`` are numbers of the paper; ``form`` is printed, corrected or ours.
-    ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``); given if
-    the verdict is REFUTED. ``mutation_refuted`` says whether the same method refuted the altered
-    claim, ``satisfied_at`` is a point that meets the hypotheses. ``graph_hash`` covers the graphs
-    of claim and altered claim, which outputs are hypotheses and by which relations, and the method
-    with its regions and boxes; it is empty for an entry without a graph. ``versions`` are those of
-    the packages that decided; z3 is one of them where CasADi cancelled something. ``altered`` has
-    the product's functions that the graph holds, as ``module:function``, each with the entry's
-    verdict where the function is altered: REFUTED, OPEN, PROVED if it makes no difference, empty if
-    not tried yet. ``premises`` are entries that the claim depends on, ``confirmed_by`` further
-    solvers that agree. ``certificate`` has the number of obligations and the hash of their row in
-    the index of certificates, if each of them has one; such an entry depends on no solver.
-    ``cancelled`` counts the operations that CasADi cancelled, each of which was shown to be
-    defined; None if that was not shown. ``seconds`` is processor time.
+    ``counterexample`` maps inputs of the graph to exact rationals as text (or ``1 pi``) if the
+    verdict is REFUTED. ``mutation_refuted`` says whether the same method refuted the altered claim;
+    ``satisfied_at`` is a point that meets the hypotheses.  ``graph_hash`` covers the graphs of
+    claim and altered claim, the choice and relations of hypotheses, and the method with its regions
+    and boxes; it is empty for an entry without a graph.  ``versions`` are those of the packages
+    that decided; z3 is one of them if CasADi cancelled an operation.  ``altered`` has the product's
+    functions in the graph, as ``module:function``, each with the entry's verdict if the function is
+    altered: REFUTED, OPEN, PROVED if it makes no difference, empty if not tried yet.  ``premises``
+    are entries that the claim depends on; ``confirmed_by`` are further solvers that agree.
+    ``certificate`` has the number of obligations and the hash of their row in the index of
+    certificates, if each of them has one; such an entry depends on no solver.  ``cancelled`` counts
+    the operations that CasADi cancelled, each of which was shown to be defined; None if that was
+    not shown.  ``seconds`` is processor time.
     """
 
     id: str
@@ -70,7 +70,7 @@ class Entry:
 
     @property
     def functions(self) -> tuple[str, ...]:
-        """The product's functions that the entry covers: it notices an alteration of them."""
+        """The product's functions whose alterations the entry notices."""
         return tuple(name for name, verdict in self.altered.items() if verdict in NOTICED)
 
     @property

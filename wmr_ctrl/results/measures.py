@@ -98,7 +98,7 @@ def mean_e1(run: Run, span: tuple[float, float]) -> float | None:
 def e_rms(run: Run, start: float, end: float) -> tuple[float, float, float] | None:
     """RMS over [start, end) of the tracking errors e1 [m], e2 [m], e3 [rad] of Eq. (8).
 
-    As in the paper, e3 counts whole turns.
+    As in the paper, e3 includes whole turns.
     """
     rows = windows.window(run, start, end)
     if rows is None or rows.start == rows.stop:
@@ -108,7 +108,7 @@ def e_rms(run: Run, start: float, end: float) -> tuple[float, float, float] | No
 
 
 def heading_error(run: Run) -> Floats:
-    """e3 of Eq. (8) as the robot looks [rad], in (-pi, pi]: Eq. (8) itself counts whole turns."""
+    """e3 of Eq. (8) in (-pi, pi] [rad], without the whole turns that Eq. (8) includes."""
     e3: Floats = run["e"][:, 2]
     return np.where(np.abs(e3) > np.pi, np.arctan2(np.sin(e3), np.cos(e3)), e3)
 
@@ -205,7 +205,7 @@ def guard_share(run: Run, samples: windows.Span | None = None) -> Pair | None:
 def filter_share(run: Run, samples: windows.Span | None = None) -> Pair | None:
     """Share of the samples in which the filter changed v and omega; zeros without filter.
 
-    Over all rows, or a window of samples; None where there is none.
+    Over all rows, or a window of samples; None if the controller does not report it.
     """
     return _changed_share(run, samples) if "filter_flags" in run else (0.0, 0.0)
 

@@ -1,9 +1,9 @@
 """Limit cycles of a run, distinguished from the response to noise.
 
-A loop's response to noise spreads over many frequencies, and what a reference demands is slow.  A
-limit cycle, or a loop close to one, concentrates its power in one line and sustains it.  The end of
-a start's transient, and a few periods of noise, do at most one of these, so they are not reported;
-nor is anything in a window too short to decide.
+A loop's response to noise spreads over many frequencies, and the motion that a reference demands is
+slow.  A limit cycle, or a loop close to one, concentrates its power in one spectral line and
+sustains it.  The end of a start's transient and a few periods of noise have at most one of these
+properties, so they are not reported.  Nothing is reported in a window that is too short to decide.
 
 Fast cycles are searched in the wheel torques, in phase or in opposite phase.  A slow line of torque
 may be needed against a slope or a gust; a slow cycle is one of the velocities about the desired

@@ -125,7 +125,9 @@ class Outcome(StrEnum):
 
 
 def _cause(outside: bool, guard: bool) -> str:
-    """Why a limit was broken, with the remedy; a start outside may be only one of the causes."""
+    """Cause of a broken limit, with the remedy; a start outside may be only one of several
+    causes.
+    """
     if not outside:
         return _SAID["uncovered"] if guard else f"Switch {_SAID['unguarded']}"
     text = "The run started outside the limits: start inside them."

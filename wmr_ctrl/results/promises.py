@@ -1,4 +1,4 @@
-"""What each promise rests on: sentences, and the entries of the ledger that are these sentences."""
+"""Arguments for each promise: sentences, and the ledger's entries that they summarise."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from .ledger import Entry
 
 @dataclass(frozen=True)
 class Link:
-    """A sentence, and patterns of its entries' ids; what matches one behind a minus is no entry."""
+    """A sentence, and patterns of its entries' ids; a pattern with a minus excludes entries."""
 
     says: str
     patterns: tuple[str, ...] = ()

@@ -79,11 +79,12 @@ def median(values: Iterable[float | None]) -> float | None:
 class RunTable(Mapping[str, Column]):
     """Many runs: arrays by name, with one row per run, in the order in which they were requested.
 
-    Columns are figures of the catalogue in their units (NaN: the run has none) and labels: ``seed``
-    and ``outcome`` (text) always; ``tracked`` (bool, RMS of drive and end against
-    metrics.tolerance) and what `sim.figures.EVENTS` names of `simulate_many`; of planned runs
-    ``case``, ``law``, ``base``, ``guard`` (None: as the scenario says), ``plant`` and ``refusal``,
-    the guard's message if it refused. A run's remarks need its whole log: `wmr_ctrl.simulate_runs`.
+    Columns are figures of the catalogue in their units (NaN: the run has none) and labels.
+    ``seed`` and ``outcome`` (text) are always there.  `simulate_many` adds ``tracked`` (bool, RMS
+    of drive and end against metrics.tolerance) and the events of `sim.figures.EVENTS`.  Planned
+    runs have ``case``, ``law``, ``base``, ``guard`` (None: as the scenario says), ``plant`` and
+    ``refusal``, the guard's message if it refused.  A run's remarks need its whole log:
+    `wmr_ctrl.simulate_runs`.
     """
 
     columns: Mapping[str, Column] = field(default_factory=dict)

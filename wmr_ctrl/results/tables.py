@@ -61,7 +61,9 @@ def read_table(path: Path, reader: TableReader) -> Table:
 
 
 def timed(table: Table, reader: TableReader, together: Sequence[Sequence[str]]) -> Timed:
-    """Columns without their empty cells, nor rows in which one ``together`` with them is empty."""
+    """Columns without empty cells; of the columns ``together``, rows with an empty cell are
+    removed.
+    """
     values = {name: np.frombuffer(column) for name, column in table.columns.items()}
     t = values.pop(TIME.name)
     if t.size and t[0] > LATEST_START:

@@ -30,11 +30,11 @@ class Warning:
 class Outlook:
     """Knowledge about a law's run on a scenario in advance.
 
-    ``tau_max``: torque limit of each wheel [N m], inf for none; ``warnings``: those of theory;
-    ``exact_pose``: whether the pose is perfect while velocities come from encoders; ``known``:
-    whether the law is known, and so was checked; ``barrier``: speeds [m/s, rad/s] at which the
-    law's barrier begins, None for a law without; ``assumed``: keys that nobody stated; ``causes``:
-    what the base did to the run's commands, in sentences by the remark's key.
+    ``tau_max``: torque limit of each wheel [N m], inf for none.  ``warnings``: those of theory.
+    ``exact_pose``: whether the pose is perfect while velocities come from encoders.  ``known``:
+    whether the law is known, and so was checked.  ``barrier``: speeds [m/s, rad/s] at which the
+    law's barrier begins, None without a barrier.  ``assumed``: keys that nobody stated.
+    ``causes``: how the base changed the run's commands, as sentences by the remark's key.
     """
 
     tau_max: float

@@ -1,8 +1,8 @@
 """Windows of time and of samples in which runs are judged, and whether a run lasted through them.
 
-A path that stops is judged over its drive, without the first half, in which the start decays, and
-after its arrival; an endless motion at the end of the run.  So a longer rest hides no error of the
-drive.
+A path that stops is judged in two windows: its drive, without the first half, in which the start
+decays; and the time after its arrival.  An endless motion is judged at the end of the run.  So a
+longer rest hides no error of the drive.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ def seconds(start: float, end: float) -> str:
 
 
 def window(run: Run, start: float, end: float | None = None) -> slice | None:
-    """Rows k with ``start`` <= t_k < ``end`` [s], or None where the run does not cover them all.
+    """Rows k with ``start`` <= t_k < ``end`` [s], or None if the run does not cover them all.
 
-    Samples are counted, not compared as floats, so that windows that touch share no sample. Without
-    ``end`` all later rows, never None: those of a run that ended early end earlier.
+    Samples are counted, not compared as floats, so adjacent windows share no sample.  Without
+    ``end``, all later rows, never None, also if the run ended early.
     """
     first = run.settings.index(start)
     if end is None:
@@ -63,7 +63,7 @@ def last_quarter(settings: Settings) -> Span:
 def drive(settings: Settings) -> Span:
     """Samples [first, end) in which driving is judged: the last quarter of an endless motion.
 
-    For a path that stops, all from half of the time of its arrival on.
+    For a path that stops, all samples after half of the time of its arrival.
     """
     if settings.arrival is None:
         return last_quarter(settings)
@@ -74,7 +74,7 @@ def drive(settings: Settings) -> Span:
 def robots_over(settings: Settings, start: float = 0.0, end: float = math.inf) -> str:
     """The robots that drive in [start, end) [s], as "50 kg, from 40 s on 65 kg".
 
-    Empty where the robot never changes.
+    Empty if the robot never changes.
     """
     grid, robots = 1e-6 * settings.control, settings.robots
     ends = [*(time for time, _ in robots[1:]), math.inf]

@@ -19,7 +19,7 @@ The parameters of each node are in docs/howto/ros2.md.
 
 
 def main() -> int:
-    """Run the node that is named; returns 0, or 2 with a message if it cannot run."""
+    """Run the named node; returns 0, or 2 with a message if it cannot run."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     try:

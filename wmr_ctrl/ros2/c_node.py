@@ -46,8 +46,8 @@ class NodeSettings:
 
     Without a ``frame`` it is the scenario's ros.base_frame.
 
-    ``at_once``: a command is passed on as soon as it arrives, if one is due. ``discovery``: how
-    long it searches for other nodes before it starts [s].
+    ``at_once``: a command that arrives when one is due is passed on immediately.  ``discovery``:
+    how long it searches for other nodes before it starts [s].
     """
 
     gate: GateSettings = field(default_factory=GateSettings)
@@ -62,7 +62,7 @@ class NodeSettings:
 def node_settings(given: Sequence[str]) -> NodeSettings:
     """Settings from words NAME=VALUE, by the names of the parameters of ``wmr_filter``.
 
-    Raises ArgumentError for a name that is none, or a value that is not of its kind.
+    Raises ArgumentError for an unknown name, or a value of the wrong kind.
     """
     values = dict(_parsed(word) for word in given)
     named = {"base_frame": "frame", "discovery_time": "discovery", "stamped": "stamped"}
@@ -112,7 +112,7 @@ def _like(stated: Declared, text: str) -> Any:
 def node_files(scenario: Scenario, settings: NodeSettings) -> dict[str, str]:
     """File name to text: sources, CMakeLists.txt, package.xml, README.md.
 
-    Raises ScenarioError where the filter is not set, or cannot be met.
+    Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
 
     def masked(words: set[str]) -> int:
@@ -142,7 +142,7 @@ def write_node(
 ) -> tuple[Path, ...]:
     """Write the node into the folder ``out`` (made if need be) and return the files' paths.
 
-    All appear, or none where one of them cannot be written: it raises ResultFileError.
+    All files appear, or none if one of them cannot be written: then it raises ResultFileError.
     """
     return tuple(write_all(node_files(scenario, settings or NodeSettings()), out))
 

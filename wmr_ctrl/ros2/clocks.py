@@ -32,7 +32,7 @@ class Clocks:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Counts of happenings by name, without zeros."""
+        """Counts of time faults by name, without zeros."""
         listed = zip(HAPPENINGS, self.struct.counts, strict=True)
         return {name: count for name, count in listed if count}
 
@@ -41,12 +41,12 @@ class Clocks:
         self.struct.begun = 0
 
     def see(self, now: Moment) -> tuple[str, ...]:
-        """Happenings since the last callback: "time-back", "time-forth", "frozen"."""
+        """Time faults since the last callback: "time-back", "time-forth", "frozen"."""
         return named_happenings(self._see(byref(self.struct), byref(now.struct)))
 
 
 def named_happenings(bits: int) -> tuple[str, ...]:
-    """Names of the happenings whose bits are set."""
+    """Names of the time faults whose bits are set."""
     return tuple(name for k, name in enumerate(HAPPENINGS) if bits >> k & 1)
 
 

@@ -74,7 +74,7 @@ class Gate:
     def __init__(self, scenario: Scenario, settings: GateSettings) -> None:
         """Compile the graph, or load it from the cache.
 
-        Raises ScenarioError where the filter is not set or cannot be met, CompilerError.
+        Raises ScenarioError if no filter is set or its limit cannot be kept, CompilerError.
         """
         system = gate_system(scenario, settings)
         self._function = CompiledSystem(system, "gate")
@@ -99,10 +99,10 @@ class Gate:
     ) -> Gated:
         """The command (v [m/s], omega [rad/s]) that goes to the base, and its report.
 
-        Ages [s] count from a message's arrival; negative: no message; ``elapsed`` [s] since the
-        last step, 0: the period. ``stop`` latches zeros until ``reset``. ``told``: limits, free
-        ways and their age where the filter has such inputs, by default none. Flags: those of
-        `wmr_ctrl.control.filter.CommandFilter.step`, and "stopped", "no-command", "no-odometry",
+        Ages [s] are measured from a message's arrival; negative: no message; ``elapsed`` [s] since
+        the last step, 0: the period.  ``stop`` latches zeros until ``reset``.  ``told``: limits,
+        free distances and their age if the filter has such inputs, by default none.  Flags: those
+        of `wmr_ctrl.control.filter.CommandFilter.step`, and "stopped", "no-command", "no-odometry",
         "too-fast" (odometry contradicts the bounds: stopped), "ramped".
         """
         v, omega, bits = self._function.step(

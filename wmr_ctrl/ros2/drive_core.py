@@ -56,9 +56,9 @@ class DriveSettings:
 class DriveCore:
     """Law, gate, intake and clocks of a drive node.
 
-    ``last`` is what was sent last, ``e`` the tracking error of the last sample [m, m, rad],
-    ``held`` why the base is kept at rest, "" while it drives; ``counts`` number of events by name;
-    ``oldest`` the largest age of odometry that a sample had [s], which its reader resets to 0.
+    ``last``: the command sent last.  ``e``: tracking error of the last sample [m, m, rad].
+    ``held``: why the base is kept at rest, "" while it drives.  ``counts``: number of events by
+    name.  ``oldest``: largest age of odometry at a sample [s], which its reader resets to 0.
     """
 
     def __init__(self, setup: Setup, settings: DriveSettings) -> None:
@@ -143,7 +143,9 @@ class DriveCore:
         return "", self._sampled(*place, stamp, now)
 
     def follow(self, points: Sequence[tuple[float, float]], frame: str) -> str:
-        """Store a path, which starts once the base rests; returns why it is refused, else ""."""
+        """Store a path, which starts once the base rests; returns the reason if it is refused, else
+        "".
+        """
         if not self.settings.path:
             return "the reference is the scenario's"
         if frame != self.settings.odometry_frame:
@@ -155,7 +157,7 @@ class DriveCore:
         return ""
 
     def halt(self, stop: bool, now: Moment) -> Gated | None:
-        """Process a message on ~/stop; true stops at once and latches."""
+        """Process a message on ~/stop; true stops immediately and latches."""
         self.stop = stop
         if not stop:
             return None

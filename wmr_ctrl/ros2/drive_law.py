@@ -193,7 +193,7 @@ def path_motion(
 ) -> DesiredMotion:
     """The motion along a path's points, with the limits of the scenario's waypoints.
 
-    Raises ScenarioError if the points make no path that can be driven.
+    Raises ScenarioError if no path through the points can be driven.
     """
     followed = override(scenario, {"reference.points": [list(point) for point in points]})
     settle(followed, law)

@@ -75,7 +75,7 @@ def core_files(
 ) -> dict[str, str]:
     """C of a filter's decisions: file name to text.
 
-    Raises ScenarioError where the filter is not set, or cannot be met, ArgumentError.
+    Raises ArgumentError, and ScenarioError if no filter is set or its limit cannot be kept.
     """
     seen = sight or SightSettings()
     seen.check(scenario)
@@ -102,7 +102,7 @@ def core_files(
 
 
 class _Core(ctypes.Structure):
-    """``wmr_filter_core`` without its last members: the gate's state, and points that are seen."""
+    """``wmr_filter_core`` without its last members: the gate's state, and the points of scans."""
 
     _fields_ = [
         ("commands", IntakeStruct),
@@ -191,7 +191,7 @@ class FilterCore:
         """Take a command; returns the reason if it is refused ("" if not), and the command sent, if
         any.
 
-        ``velocity``: v [m/s], omega [rad/s]; ``stamp`` [ns] is its own, 0 where it has none.
+        ``velocity``: v [m/s], omega [rad/s]; ``stamp`` [ns] is its own, 0 if it has none.
         """
         pair, framed = (c_double * 2)(*velocity), c_int64(fits(self._frame, frame, False))
         reason = self._call("command", pair, framed, c_int64(stamp), byref(now.struct))
@@ -208,22 +208,26 @@ class FilterCore:
         frame: str,
         now: Moment,
     ) -> str:
-        """Take odometry; returns why it is refused, else "".  ``quaternion``: x, y, z, w."""
+        """Take odometry; returns the reason if it is refused, else "". ``quaternion``: x, y,
+        z, w.
+        """
         pair, turn = (c_double * 2)(*velocity), (c_double * 4)(*quaternion)
         framed = c_int64(fits(self._frame, frame, False))
         reason = self._call("odometry", pair, turn, framed, c_int64(stamp), byref(now.struct))
         return reason_words()[reason]
 
     def limit(self, topic: str, numbers: tuple[float, float], now: Moment) -> None:
-        """Take a message of one of LIMIT_TOPICS: v and omega, or what it says and 0.
+        """Take a message of one of LIMIT_TOPICS: limits of v and omega, or its one number and 0.
 
-        For "speed" 1 follows a percentage; 0 m/s is no limit.
+        For "speed" a 1 follows a percentage; 0 m/s is no limit.
         """
         place, pair = LIMIT_TOPICS.index(topic), (c_double * 2)(*numbers)
         self._call("limit", c_int64(place), pair, byref(now.struct))
 
     def hear_free(self, ways: Sequence[float], now: Moment) -> str:
-        """Take free ways ahead, behind [m], left and right [rad]; returns why not, else ""."""
+        """Take free distances ahead, behind [m], left and right [rad]; returns why refused, else
+        "".
+        """
         numbers = (c_double * len(ways))(*ways)
         return reason_words()[self._call("free", numbers, c_int64(len(ways)), byref(now.struct))]
 
@@ -235,7 +239,7 @@ class FilterCore:
         stamp: int,
         now: Moment,
     ) -> str:
-        """Take a scan; returns why it is refused, else "".
+        """Take a scan; returns the reason if it is refused, else "".
 
         ``numbers``: angle of the first beam and between two [rad], least and largest range [m].
         """
@@ -246,7 +250,7 @@ class FilterCore:
 
     @property
     def free(self) -> tuple[float, ...]:
-        """Free ways that the gate was told last: ahead, behind [m], left, right [rad]."""
+        """Free distances last given to the gate: ahead, behind [m], left, right [rad]."""
         return tuple(self._core.free)
 
     @property
@@ -256,12 +260,12 @@ class FilterCore:
         return tuple(side for k, side in enumerate(SIDES) if bits >> k & 1)
 
     def halt(self, stop: bool, now: Moment) -> Gated | None:
-        """Process a message on ~/stop; true stops at once."""
+        """Process a message on ~/stop; true stops immediately."""
         self._core.stop = stop
         return self._send(False, 0, now) if stop else None
 
     def reset(self) -> bool:
-        """Release at the next tick the latch of a stop or of a base that was too fast.
+        """Release the latch of a stop, or of a base that was too fast, at the next tick.
 
         Returns False while ~/stop is true, which keeps the base stopped.
         """

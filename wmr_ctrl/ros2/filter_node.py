@@ -114,7 +114,7 @@ class FilterNode(SafeNode[FilterCore]):
 
     @property
     def _sources(self) -> tuple[str, ...]:
-        """Topics that tell free ways."""
+        """Topics that supply free distances."""
         return self.sight.topics or (("free",) if self._remedy else ())
 
     def causes(self, flags: Collection[str]) -> list[str]:

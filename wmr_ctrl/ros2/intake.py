@@ -60,7 +60,7 @@ class Intake(IntakeCounts, Generic[Numbers]):
     def take(self, value: Numbers, stamp: int, frame: str, now: Moment) -> str:
         """Take a message; returns the reason if it is refused, else "".
 
-        ``stamp`` [ns] is its own, 0 where it has none.
+        ``stamp`` [ns] is its own, 0 if it has none.
         """
         reason = self._c["intake_take"](
             byref(self.struct), c_int64(len(value)), (c_double * len(value))(*value),

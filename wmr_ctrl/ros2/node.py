@@ -122,7 +122,7 @@ class SafeNode(LifecycleNode, Generic[C]):
     # -- a node's own -------------------------------------------------------------------------
 
     def build(self, scenario: Scenario) -> tuple[C, float]:
-        """Build core and period [s]; raises WmrError if the parameters cannot be met."""
+        """Build core and period [s]; raises WmrError if the parameters cannot be satisfied."""
         raise NotImplementedError
 
     def connect(self) -> None:
@@ -166,7 +166,7 @@ class SafeNode(LifecycleNode, Generic[C]):
         return numbers
 
     def choice(self, name: str) -> str:
-        """Value of a parameter with choices.  Raises WmrError for one that is none of them."""
+        """Value of a parameter with choices.  Raises WmrError for any other value."""
         return self._declared[name].chosen(name, str(self.value(name)))
 
     @transition

@@ -12,7 +12,7 @@ Default: TypeAlias = str | float | bool | list[float] | list[str]
 
 @dataclass(frozen=True)
 class Declared:
-    """A parameter: default, description, and what a value must be, as parameters.toml says it.
+    """A parameter: default, description, and valid values, from parameters.toml.
 
     ``many``: a list of any length.
     """
@@ -26,11 +26,11 @@ class Declared:
 
     @property
     def constraints(self) -> str:
-        """The rule in words."""
+        """Text of the rule for its values."""
         return f"one of {', '.join(self.choices)}" if self.choices else self.rule
 
     def chosen(self, name: str, value: str) -> str:
-        """The value; raises ArgumentError where it is not one of the choices, if there are any."""
+        """The value; raises ArgumentError if there are choices and it is not one of them."""
         if self.choices and value not in self.choices:
             raise ArgumentError(f"{name} = {value!r} must be one of {', '.join(self.choices)}.")
         return value

@@ -1,4 +1,6 @@
-"""How ``wmr_filter`` hears of limits and free ways: its lasers, their poses, what silence means."""
+"""Limits and free distances for ``wmr_filter``: its lasers, their poses, and the meaning of
+silence.
+"""
 
 import math
 from dataclasses import dataclass
@@ -45,11 +47,11 @@ class SightSettings:
 
     @property
     def ignored(self) -> list[list[float]]:
-        """Angles [rad] that the robot's own parts fill, from and to, in the frame of a laser."""
+        """Angles [rad], from and to, that the robot's own parts cover in a laser's frame."""
         return np.reshape(self.ignore, (-1, 2)).tolist()
 
     def check(self, scenario: Scenario) -> None:
-        """Raise ArgumentError where these settings do not fit the scenario, or each other."""
+        """Raise ArgumentError if these settings do not fit the scenario, or each other."""
         if (self.limit_timeout or self.speed_limit) and not scenario.filter.changing:
             raise ArgumentError(
                 "limit_timeout and speed_limit are about limits that change, and this scenario's "
@@ -88,7 +90,7 @@ class SightSettings:
 def windows(scenario: Scenario) -> dict[str, float]:
     """Windows of headings [rad], by their names in C; ``enough`` [m] is more than any stop takes.
 
-    ``turning`` [s]: for how long a turn that is asked for widens the window.
+    ``turning`` [s]: for how long a requested turn widens the window.
     """
     settings, ends = scenario.filter, [abs(end) for end in scenario.limits.sides[0]]
     enough = max(stopping(scenario, end).distance for end in ends)
@@ -99,7 +101,7 @@ def windows(scenario: Scenario) -> dict[str, float]:
 
 
 def remedy(scenario: Scenario) -> str:
-    """Sentence on what to do where something is too near."""
+    """Sentence on what to do if an obstacle is too near."""
     found = leaving(scenario)
     holds = found is not None and 0 < found.hold < math.inf
     return f"near: back off{f', hold it for {found.hold:.1f} s' if found and holds else ''}"

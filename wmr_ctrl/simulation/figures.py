@@ -89,7 +89,7 @@ def monitor(
 ) -> Monitor:
     """Monitor of one run, from its findings by name; the plant's and the control step [s].
 
-    Without a ``period`` the guard's bounds are left out.
+    Without a ``period`` the guard's bounds are omitted.
     """
 
     def event(name: str, time: float) -> Event | None:

@@ -71,7 +71,7 @@ def unguarded(path: str | Path, setup: Setup) -> Setup | None:
     """The setup of one of our controllers that was made without the guard or filter of ``setup``.
 
     None if it has that part, or is foreign.  Raises ArgumentError for a law that remembers its
-    commands, since an external guard or filter changes them unnoticed.
+    commands, since an external guard or filter changes them without its knowledge.
     """
     velocity = setup.takes_velocity
     off: dict[str, object] = {"filter.kind": "none"} if velocity else {"guard.enabled": False}
@@ -96,7 +96,7 @@ def _graph_in(path: str | Path) -> str:
 
 
 def check_told(setup: Setup) -> None:
-    """Raise ArgumentError for a loop that needs what only our own loop measures or does."""
+    """Raise ArgumentError for a loop that needs a measurement or action of our own loop."""
     check_outside_plant(setup)
     filtered = setup.scenario.filter
     if setup.takes_velocity and filtered.is_told and filtered.free_error is not None:

@@ -168,13 +168,15 @@ def compiled(
 
 
 def input_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
-    """Rows for their inputs; ``theirs``: units of their variables, ``name``: the part's."""
+    """Rows for the inputs of a foreign FMU; ``theirs``: units of its variables, ``name``: its
+    name.
+    """
     given = part.inputs.items()
     return [_Row(f"{name}.inputs", *row, theirs, part.units, inward=True).read() for row in given]
 
 
 def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
-    """Rows that compute our quantities from their outputs."""
+    """Rows that compute our quantities from a foreign FMU's outputs."""
     given = part.outputs.items()
     for one, other in EITHER[name]:
         both = [next((key for key in side if key in part.outputs), "") for side in (one, other)]
@@ -187,7 +189,9 @@ def output_rows(part: PartMap, theirs: UnitOf, name: str) -> list[MapRow]:
 
 
 def parameter_rows(part: PartMap, theirs: UnitOf) -> dict[str, MapRow]:
-    """Rows for the numbers that a scenario changes, each one parameter of theirs, by our key."""
+    """Rows for the numbers that a scenario changes, each one parameter of a foreign FMU, by our
+    key.
+    """
     given = part.parameters.items()
     rows = [_Row(_PARAMETERS, *row, theirs, part.units, inward=False).read() for row in given]
     for row in rows:
@@ -200,7 +204,9 @@ def parameter_rows(part: PartMap, theirs: UnitOf) -> dict[str, MapRow]:
 
 
 class _Row:
-    """Reader of one row; ``inward``: it computes one of their inputs from our quantities."""
+    """Reader of one row; ``inward``: it computes one of a foreign FMU's inputs from our
+    quantities.
+    """
 
     def __init__(
         self, table: str, target: str, raw: object, theirs: UnitOf, units: str, *, inward: bool
@@ -249,7 +255,7 @@ class _Row:
         return unit_of(UNITS[name])
 
     def unit_of_theirs(self, name: str) -> NamedUnit:
-        """Unit of one of their variables: from the row, else from their FMU."""
+        """Unit of one of a foreign FMU's variables: from the row, else from that FMU."""
         si = self.fitting if self.units == "SI" or self.fitting == "1" else None
         unit = self.entry.unit or self.theirs(name) or si
         if isinstance(unit, NamedUnit):
@@ -282,11 +288,10 @@ def toml_key(name: str) -> str:
 def controller_outputs(
     part: PartMap, theirs: UnitOf, robot: Robot, asked: Sequence[str] = TORQUES
 ) -> list[MapRow]:
-    """Rows that compute the quantities ``asked`` from a foreign controller's outputs: torques, the
-    force, or the velocity for a base that takes one.
+    """Rows that compute the quantities ``asked`` from a foreign controller's outputs.
 
-    Torques and force can be computed from each other, a velocity from the wheels' speeds, with
-    robot.r and robot.l.
+    ``asked``: torques, the force, or the velocity for a base that takes one.  Torques and force can
+    be computed from each other, a velocity from the wheels' speeds, with robot.r and robot.l.
     """
     by_target = {row.target: row for row in output_rows(part, theirs, "controller")}
     instead = _follow(by_target, asked, robot)

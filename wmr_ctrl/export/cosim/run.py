@@ -51,9 +51,9 @@ class CosimSetup:
     """FMUs of a co-simulation: given files, and the setups to export the others from.
 
     ``setup`` is that of the whole loop; ``own`` the one that our controller, guard or filter is
-    built for; ``bare`` is ``setup`` without guard or filter, if that is a part after one of our
-    controllers. ``foreign``: the controller is foreign; ``files``: the given ones; ``maps``: those
-    of foreign parts; ``at_once``: all parts step together.
+    built for; ``bare`` is ``setup`` without guard or filter, if that is a separate part after one
+    of our controllers.  ``foreign``: the controller is foreign; ``files``: the given ones;
+    ``maps``: those of foreign parts; ``at_once``: all parts step together.
     """
 
     setup: Setup
@@ -116,24 +116,24 @@ def cosimulate(
 ) -> Run:
     """Co-simulate reference, controller and plant FMUs through FMPy and return the Run.
 
-    ``law``: None is that of ``controller`` where it is one of ours, else the scenario's own;
-    refused together with a foreign controller. ``plant``, ``controller``: FMU files to use in place
-    of those that are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3). With
+    ``law``: None is that of ``controller`` if it is one of ours, else the scenario's own; it must
+    be None with a foreign controller.  ``plant``, ``controller``: FMU files to use in place of
+    those that are exported from ``scenario`` and ``law``, in version ``fmi`` (2 or 3).  With
     guard.enabled the guard is a further FMU after a foreign controller, and after one of ours that
-    was exported without it; on a base that takes velocities the filter is. ``map_file``: TOML map
-    of the names and units of FMUs that are not ours, see ``cosim.mapping``. ``compile_sources``:
+    was exported without it; on a base that takes velocities the filter is.  ``map_file``: TOML map
+    of the names and units of FMUs that are not ours, see ``cosim.mapping``.  ``compile_sources``:
     build the sources of an FMU that has no library for this machine.
 
     ``master``: "gauss-seidel" (equals the native loop) or "jacobi" (the torque acts one step
-    later); for the latter with ``delay_known`` the controller is built for drives that are one
-    control period later than the scenario's, so that guard and observer count with what this master
-    does; the loop is then the native one with that delay.
+    later).  For the latter, with ``delay_known`` the controller is built for drives that are one
+    control period later than the scenario's, so that guard and observer take this master's delay
+    into account.  The loop is then the native one with that delay.
 
     What libraries print goes to standard error.
 
-    The Run has engine "fmu", and its monitor saw every step of our plant; of a plant with a map,
-    its communication steps.  Raises ArgumentError where an FMU cannot do what the scenario asks
-    for, FmuError where it cannot be loaded; one that fails later ends the Run and is named by it.
+    The Run has engine "fmu". Its monitor saw every step of our plant, or the communication steps of
+    a plant with a map.  Raises ArgumentError if an FMU cannot do what the scenario requires,
+    FmuError if it cannot be loaded.  An FMU that fails later ends the Run, which names it.
     """
     if master not in MASTERS:
         raise UnknownNameError("master", master, MASTERS)
@@ -317,7 +317,7 @@ def _changer(scenario: Scenario, slave: Slave, part: PartMap | None) -> Callable
 
 
 def _setter(slave: Slave, row: MapRow) -> Callable[[float], None]:
-    """Function that sets the parameter of theirs that gives ``row.target``."""
+    """Function that sets the foreign FMU's parameter that gives ``row.target``."""
     ((theirs, share),) = row.terms
     variable = slave.variable(theirs)
     if variable.causality not in ("parameter", "input") or variable.variability == "fixed":

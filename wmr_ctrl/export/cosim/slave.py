@@ -290,8 +290,9 @@ class Slave(FmuFile):
 
     @property
     def faults(self) -> Mapping[str, str]:
-        """Non-fatal faults: number of steps that ``warned`` and ``lagged`` with the first;
-        violations if ``invalid``.
+        """Non-fatal faults: numbers of steps with a warning or a lag, each with its first message.
+
+        It also has violations of the schema if the file is ``invalid``.
         """
         told = {what: f"{count} steps, {first}" for what, (count, first) in self._faults.items()}
         return told | ({"invalid": self.invalid} if self.invalid else {})

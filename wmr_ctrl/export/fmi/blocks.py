@@ -111,7 +111,7 @@ def filter_model(scenario: Scenario) -> FmuModel:
     Further outputs are its share of the requested velocity, and its flags one by one.  It has no
     derivatives: those of the band's tables would be longer than all the rest.
 
-    ScenarioError if the filter is not set, or cannot be met.
+    Raises ScenarioError if no filter is set, or if its limit cannot be kept.
     """
     system = called_filter(scenario)
     results = {item.signal: item.expr for item in system.outputs}
@@ -139,7 +139,7 @@ def corridor_model(scenario: Scenario, law: str) -> FmuModel:
 
 
 def _counting(what: str, scenario: Scenario, system: System) -> FmuModel:
-    """The model of a System without derivatives and with a fixed period, in which it counts."""
+    """The model of a System that counts in periods: without derivatives, with a fixed period."""
     p, T = Parameters(scenario, system.params), scenario.clock.control
     p.take("clock.control")
     fixed, timed = {"clock.control": (T, T)}, _sampled(replace(system, params=p.ports))

@@ -81,7 +81,7 @@ def closed_loop_model(setup: Setup) -> FmuModel:
 def _absent(setup: Setup, known: Iterable[str]) -> tuple[Port, ...]:
     """Numbers of effects that this loop lacks, as parameters that cannot be changed.
 
-    Those in a table of their own are omitted with it, and so is a speed loop that does not exist.
+    Numbers in a separate table are omitted with it, and so is a speed loop that does not exist.
     """
     loops = () if setup.takes_velocity else (EffectRole.COMMAND, EffectRole.LOOP)
     ports: dict[str, Port] = {}

@@ -1,9 +1,9 @@
 """Extra files of an FMU: scenario, graph, reference result, and a law in plain C.
 
-For production code that uses the law without FMI's calls, such as a block that wraps a C function,
-there is the package that `wmr-ctrl codegen` writes, and ``interface.xml`` with sources, header,
-structs, the expressions of its functions and the place of each of the FMU's variables in the
-structs.
+The plain C is for production code that uses the law without FMI's calls, such as a block that wraps
+a C function.  It is the package that `wmr-ctrl codegen` writes, and ``interface.xml`` with sources,
+header, structs, the expressions of its functions and the place of each of the FMU's variables in
+the structs.
 """
 
 import tempfile

@@ -51,10 +51,10 @@ class Content:
 def content_of(
     scenes: Sequence[PageScene], laws: tuple[str, ...], seed: int, progress: Callable[[float], None]
 ) -> Content:
-    """Settle every variant of every scene for every law; ``progress`` is called with the share
-    done.
+    """Settle every variant of every scene for every law.
 
-    Raises the errors of `settle` for a scene's own variant.
+    ``progress`` is called with the share done.  Raises the errors of `settle` for a scene's own
+    variant.
     """
     loops, phases, steps = PageLoops(), 1, 0
     scenery = list[Plain]()
@@ -153,7 +153,7 @@ def _tube(setup: Setup, whole: bool) -> Plain | None:
     """Certified distances from the path over time, and when they end; None without any.
 
     With ``whole`` also past the robot's changes: for a story of many runs that would take a minute.
-    ``widths`` [m], each for ``every`` seconds, the last from there on; ``until`` [s].
+    ``widths`` [m], each for ``every`` seconds, the last one until the end; ``until`` [s].
     """
     if stops(setup.scenario):
         return None

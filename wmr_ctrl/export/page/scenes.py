@@ -1,10 +1,10 @@
-"""Scenes of the page, a story or one scenario to play with, their variants and their robots.
+"""Scenes of the page, a story or one scenario to try, their variants and their robots.
 
-Numbers are parameters of a loop and change while it runs. Structural choices do not: the law, the
+Numbers are parameters of a loop and change while it runs.  Structural choices do not: the law, the
 guard, the number of commands in transit.  A variant is a combination of those; it has a loop for
 each law, and the numbers that the product derives for it, such as the guard's.
 
-There is a robot for each law, or for a base that takes velocities one for each filter. Such pages
+There is a robot for each law, or for a base that takes velocities one for each filter.  Such pages
 demonstrate the filter: one law requests the full limit, and its commands are clipped, smoothed as
 usual, or filtered in each way that the scenario's numbers allow.
 """

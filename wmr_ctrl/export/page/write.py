@@ -39,11 +39,11 @@ def write_page(
 ) -> Path:
     """Write the page to the file ``out``, atomically; returns its path.
 
-    For the paper's simulation it tells a story in five steps; of a base that takes velocities it
-    shows ways to limit commands side by side. ``laws``: which can be chosen; without, all in the
-    story, else the scenario's own. ``progress`` is called with the share that is done. Raises
-    UnknownNameError for a law, ArgumentError for the seed, ScenarioError for an unsuitable
-    scenario, CompilerError without zig, ResultFileError where the file cannot be written.
+    For the paper's simulation it tells a story in five steps; for a base that takes velocities it
+    compares ways to limit commands.  ``laws``: the choices; by default all in the story, else the
+    scenario's own.  ``progress`` is called with the share that is done.  Raises UnknownNameError
+    for a law, ArgumentError for the seed, ScenarioError for an unsuitable scenario, CompilerError
+    without zig, ResultFileError if the file cannot be written.
     """
     checked_seeds([seed])
     if seed >= LARGEST_SEED:

@@ -80,7 +80,7 @@ def pose_ratios(log: Log, seen: Samples) -> Pair | None:
 
 
 def _ratios(moved: Floats, rolled: Floats) -> Pair:
-    """Ratios of way and turn; NaN where one of both is but noise."""
+    """Ratios of path length and rotation; NaN if one of the two is only noise."""
     pairs = (np.hypot(*moved[:, :2].T), np.abs(rolled[:, 0])), (moved[:, 2], rolled[:, 1])
     way, turn = (
         float(a @ b / (b @ b)) if abs(a @ b) > TOGETHER * math.sqrt(a @ a * (b @ b)) else math.nan

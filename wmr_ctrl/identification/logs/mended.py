@@ -1,6 +1,7 @@
 """Corrections of a log before all else: its rows, stamps, and counters that wrap.
 
-What cannot be mended raises LogError with one paragraph: what was seen, where, what to do about it.
+A fault that cannot be corrected raises LogError with one paragraph: what was seen, where, what to
+do.
 """
 
 import math
@@ -118,7 +119,9 @@ def _check_counters(log: Log) -> None:
 
 
 def evened(log: Log) -> Log:
-    """The log on an even clock, if stamps scatter about one and wheels move more smoothly on it."""
+    """The log on an even clock, if its stamps scatter about one and the wheels then move more
+    smoothly.
+    """
     seen = next((pair for pair in (COUNTS.elements, WHEEL_ANGLE) if log.has(pair)), None)
     if seen is None:
         return log
@@ -158,7 +161,7 @@ def _rough(t: Floats, turned: Floats) -> float:
 
 
 def _whole(log: Log) -> Log:
-    """The log without rows that have no number, or the time of the row before, if they are few."""
+    """The log without the few rows that have no number or repeat the time of the row before."""
     keep = {}
     for name, t in log.times.items():
         group = next((item for item in TOGETHER if name in item), (name,))
@@ -168,7 +171,7 @@ def _whole(log: Log) -> Log:
 
 
 def _of_rows(log: Log, keep: Mapping[str, Mask], what: str, key: str) -> Log:
-    """The log with some rows of each column, if the others are few."""
+    """The log with only the given rows of each column, if few are removed."""
     most = max((int((~rows).sum()) for rows in keep.values()), default=0)
     few = all((~rows).sum() <= max(ALWAYS, MOST_LEFT_OUT * len(rows)) for rows in keep.values())
     if not (most and few):
@@ -182,8 +185,9 @@ def _of_rows(log: Log, keep: Mapping[str, Mask], what: str, key: str) -> Log:
 
 
 class Jumps(NamedTuple):
-    """Steps (N - 1,) of a counter, in counts an even row, with what is usual there and beyond which
-    distance from it they are jumps, and the rows before these.
+    """Steps (N - 1,) of a counter, in counts per even row, and the rows before its jumps.
+
+    A jump is a step farther than ``limit`` from the ``usual`` one.
     """
 
     steps: Floats

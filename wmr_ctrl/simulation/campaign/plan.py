@@ -110,12 +110,12 @@ class SamplePlan:
 class Study:
     """Runs of a scenario (a preset's name, or a Scenario).
 
-    ``seeds``: their largest number, from ``first_seed`` on; ``name``: its name in tables, if it
-    changes fields (``overrides``); ``title``, if the report describes it; ``laws``: empty for all;
-    ``guards``: whether the guard is on (None: as the scenario says); ``base``: the group that it is
-    compared in; ``grid`` and ``sample``: values of fields that differ from run to run; ``stop``:
-    when a case has enough runs; ``chunk``: number of runs after which results are written;
-    ``stated``: keys that the plan, or its scenario's file, states.
+    ``seeds``: their largest number, from ``first_seed`` on.  ``name``: its name in tables, if it
+    changes fields (``overrides``); ``title``: given if the report describes it.  ``laws``: empty
+    for all.  ``guards``: whether the guard is on (None: as the scenario says).  ``base``: the group
+    that it is compared in.  ``grid`` and ``sample``: values of fields that differ from run to run.
+    ``stop``: when a case has enough runs.  ``chunk``: number of runs after which results are
+    written.  ``stated``: keys that the plan, or its scenario's file, states.
     """
 
     scenario: str | Scenario

@@ -213,7 +213,7 @@ class RigidBody:
         self.tilt = math.acos(max(-1.0, min(1.0, up[2])))
 
     def step(self, acting: Sequence[float]) -> None:
-        """One plant step under wheel torques, torques that disturb (2 each), thrust and moment.
+        """One plant step under wheel torques, disturbing torques (2 each), thrust and moment.
 
         In the order of `signals.TORQUE`, `TORQUE_NOISE`, `BODY_FORCE`; the force acts at the
         chassis' centre of mass, along the heading.

@@ -5,14 +5,14 @@ Objective, to be minimised: the root of the mean over all training runs of
     position_rms^2 + (weight torque_change_rms)^2
 
 with the position's RMS over the last quarter and the torques' change over the last half of a run,
-or over the drive for a path that stops (`results.measures`); with merit = "corridor" the certified
+or over the drive for a path that stops (`results.measures`).  With merit = "corridor" the certified
 corridor replaces position_rms (`Corridor.merit`), and gains with a corridor rank before all without
-one. The runs: every training seed, once with the scenario as it is and once for each of `MASSES`,
-the true mass and inertia over the believed ones, without the scenario's changes. A base that takes
-velocities is judged by its position alone, with its own mass. Fewer runs that end early rank before
-a smaller objective of the others. Gains are searched as logarithms, from the scenario's own; the
-guard is off, so that it hides nothing. The result is judged by test seeds, and by references that
-were not trained on.
+one.  The runs: every training seed, once with the scenario as it is and once for each of `MASSES`,
+the true mass and inertia over the believed ones, without the scenario's changes.  A base that takes
+velocities is judged by its position alone, with its own mass.  Gains with fewer runs that end early
+rank first, whatever the objective of the other runs.  Gains are searched as logarithms, from the
+scenario's own; the guard is off, so that it hides nothing.  The result is judged by test seeds, and
+by references that were not trained on.
 """
 
 import math
