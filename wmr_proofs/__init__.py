@@ -21,7 +21,7 @@ PLACES = {"prove": "wmr_proofs.runner", "Entry": LEDGER, "Ledger": LEDGER, "load
 
 
 def __getattr__(name: str) -> Any:
-    """Loaded when first used: `wmr_proofs.check` runs without any other package."""
+    """A public name, loaded when first used: `wmr_proofs.check` runs without any other package."""
     if name not in PLACES:
         raise AttributeError(f"module 'wmr_proofs' has no attribute {name!r}")
     return vars(import_module(PLACES[name]))[name]

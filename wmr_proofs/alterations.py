@@ -114,11 +114,11 @@ def changed(value: object, change: Change) -> object:
 def functions_of(claim: Claim, first: Sequence[str] = ()) -> tuple[str, ...]:
     """Functions of the product that the claim's graph contains.
 
-    Of the functions that are called, one is contained if its results, multiplied by a number, make
-    another graph.  Many are tried together, with different numbers: if the graph is unchanged, it
-    contains none of them.  A function is not contained if the statement cannot be built with its
-    results altered.  For those in ``first``, which were contained before, it is tested whether the
-    graph still reads their results.
+    A called function is contained if its results, multiplied by a number, make another graph.  Many
+    are tried together, with different numbers: if the graph is unchanged, it contains none of them.
+    A function is not contained if the statement cannot be built with its results altered.  For
+    functions in ``first``, which were contained before, the test is whether the graph still reads
+    their results.
     """
     before: list[Statement | None] = []
     forget()

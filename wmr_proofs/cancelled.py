@@ -1,9 +1,8 @@
-"""Operations that CasADi cancels while it builds a graph, such as x (1/x): they must be defined,
-too.
+"""Operations that CasADi cancels while it builds a graph, such as x (1/x), must be defined, too.
 
 A claim is built a second time without simplification.  Each quotient, root and logarithm that its
-goals read there but not in the compiled graph must be defined wherever the hypotheses hold.  z3
-decides that, whatever method proved the claim; if the hypotheses are regions, it is given the
+goals read there but not in the compiled graph must be defined wherever the hypotheses hold. z3
+decides that, whatever method proved the claim.  If the hypotheses are regions, z3 is given the
 inputs, sums and differences that are positive in all of them.
 """
 
@@ -60,10 +59,11 @@ def undefined(claim: Claim) -> tuple[int, str]:
 
 
 def cancelled_operations(claim: Claim, simple: bool = True) -> tuple[Problem, list[Any]]:
-    """The claim posed without simplification, and when each cancelled operation is undefined.
+    """The claim posed without simplification, and conditions under which cancelled operations are
+    undefined.
 
-    ``simple``: these terms are simplified by z3, as `undefined` asks about them.
-    Raises UndecidedError if it cannot be posed.
+    ``simple``: z3 simplifies these conditions, as `undefined` asks about them.  Raises
+    UndecidedError if the claim cannot be posed.
     """
     assert claim.statement is not None
     plain = uncancelled(claim)
@@ -97,7 +97,7 @@ def uncancelled(claim: Claim) -> Statement:
 
 
 def _fresh(given: Mapping[str, Any]) -> dict[str, Any]:
-    """New copies of the objects that a function is given: they keep what they built."""
+    """Copies of a function's arguments without their cached results."""
     own = {n: x for n, x in given.items() if is_dataclass(x) and not isinstance(x, type)}
     return {**given, **{name: replace(value) for name, value in own.items()}}
 

@@ -1,4 +1,6 @@
-"""The committed certificates: the index from claims to obligations, and a packed file of each."""
+"""The committed certificates: the index from claims to obligations, and a packed file for each
+claim.
+"""
 
 import json
 import lzma

@@ -1,13 +1,13 @@
-"""Checks certificates of the ledger with the standard library alone: ``check.py FOLDER``.
+"""Check certificates of the ledger with the standard library alone: ``check.py FOLDER``.
 
-An obligation is a text in SMT-LIB 2.  Its assertions are read as facts ``p >= 0``, ``p > 0`` or
-``p = 0`` about polynomials with exact rational coefficients, and as "and" and "or" of facts.  A
-choice (ite) and a quotient are unknown numbers, ``?0``, ``?1`` and so on, in the order in which the
-text has them.  Of a choice it is known which of its two values it has once a case says so, and of a
-quotient q = n/d that q d = n once d is shown to be above or below 0.
+An obligation is a text in SMT-LIB 2.  Its assertions are read as facts ``p >= 0``, ``p > 0`` or ``p
+= 0`` about polynomials with exact rational coefficients, and as "and" and "or" of facts.  A choice
+(ite) and a quotient are unknown numbers, ``?0``, ``?1`` and so on, in the order in which the text
+has them.  A case may state which of its two values a choice has.  A quotient q = n/d satisfies q d
+= n once d is shown to be above or below 0.
 
-A point, a rational number for each symbol at which all assertions hold, shows that they can be met.
-That they cannot is shown by a tree, in which facts go by names:
+A point, with a rational number for each symbol, shows that all assertions can hold together.  A
+tree shows that they cannot.  It refers to facts by their names:
 
     ["ite", K, YES, NO]               cases: the choice ?K has its first or its second value
     ["or", FACT, NODE, NODE, ...]     cases: the first, second, ... part of a disjunction holds
@@ -15,13 +15,13 @@ That they cannot is shown by a tree, in which facts go by names:
     ["den", K, SIGN, SUM, NODE]       the sum shows that SIGN d > 0 for the denominator d of ?K
     ["sum", PRODUCTS, MULTIPLES]      the end of a case: its facts contradict each other
 
-Products [c, [FACT, ...], [POLYNOMIAL, ...]] with c > 0, of facts that are not negative and of
-squares, and multiples [FACT, POLYNOMIAL] of equations add up to the polynomial 0, although one
-product has no squares and nothing but facts ``>``, so that it is above 0.  A polynomial is written
-[[c, NAME, POWER, ...], ...].
+A product [c, [FACT, ...], [POLYNOMIAL, ...]] with c > 0 has facts that are not negative and squares
+of polynomials as factors.  A multiple [FACT, POLYNOMIAL] is that of an equation.  A sum adds them
+up to the polynomial 0, although one product is above 0: it has no squares and only facts ``>``.
+That is the contradiction.  A polynomial is written [[c, NAME, POWER, ...], ...].
 
-``index.json`` has the SHA-256 of each obligation and of its certificate; both lie in a packed file
-for each entry.  Work and memory are bounded: what asks for more is refused.
+``index.json`` has the SHA-256 of each obligation and of its certificate; both are in a packed file
+for each entry.  Work and memory are bounded: a certificate that needs more is refused.
 """
 
 import json
@@ -107,7 +107,7 @@ def add(a: Polynomial, b: Polynomial, times: Number = 1) -> Polynomial:
 
 
 def mul(a: Polynomial, b: Polynomial) -> Polynomial:
-    """The product."""
+    """Product of two polynomials."""
     WORK.spend(len(a) * _words(b) + len(b) * _words(a))
     total: Polynomial = {}
     for m, c in a.items():
@@ -179,7 +179,7 @@ def formula_key(formula: Formula) -> tuple[Any, ...]:
 
 
 def flat(name: str, formula: Formula) -> Iterator[tuple[str, Formula]]:
-    """Facts of a formula: the parts of a conjunction, each by itself."""
+    """Facts of a formula, with the parts of a conjunction separated."""
     WORK.spend(10)
     if isinstance(formula, Join) and formula.word == "and":
         for number, part in enumerate(formula.parts):
@@ -207,7 +207,7 @@ Value = Polynomial | Formula
 
 
 class Problem:
-    """An obligation: facts by name, and what each of the unknowns ?0, ?1, ... is."""
+    """An obligation: facts by name, and the meanings of the unknowns ?0, ?1, ..."""
 
     def __init__(self, text: str) -> None:
         self.symbols: list[str] = []
@@ -283,14 +283,16 @@ class Problem:
         raise Refused(f"operation {word}")
 
     def _atom(self, known: Any, meaning: Choice | Quotient) -> Polynomial:
-        """The unknown for a choice or a quotient, the same for the same; its parts come before."""
+        """The unknown for a choice or a quotient, one for equal ones; unknowns of its parts have
+        lower numbers.
+        """
         if known not in self._places:
             self._places[known] = len(self.atoms)
             self.atoms.append(meaning)
         return var(f"?{self._places[known]}")
 
     def holds(self, point: Mapping[str, Any]) -> None:
-        """Refuse unless all assertions hold at the point."""
+        """Raise Refused unless all assertions hold at the point."""
         need(isinstance(point, dict) and set(point) == set(self.symbols), "a point is expected")
         at = {name: exact(value) for name, value in point.items()}
         for number, atom in enumerate(self.atoms):
@@ -411,7 +413,7 @@ class Case(NamedTuple):
         return self.problem.atoms[number]
 
     def plain(self, p: Polynomial) -> Polynomial:
-        """A positive multiple of p, with known choices and quotients put in."""
+        """A positive multiple of p, after substitution of known choices and quotients."""
         while ready := self._ready(p):
             top = max(ready)  # what it is made of has smaller numbers, so that this ends
             if top in self.chosen:
@@ -426,21 +428,21 @@ class Case(NamedTuple):
         return p
 
     def _ready(self, p: Polynomial) -> list[int]:
-        """Unknowns of p of which it is known what they are."""
+        """Unknowns of p that can be substituted in this case."""
         atoms = (int(name[1:]) for name in names(p) if name.startswith("?"))
         return [k for k in atoms if k in self.chosen
                 or (isinstance(atom := self.problem.atoms[k], Quotient)
                 and key(atom.below) in self.signs)]  # fmt: skip
 
     def fact(self, name: Any) -> Fact:
-        """A fact with known choices and quotients put in."""
+        """A fact, after substitution of known choices and quotients."""
         need(isinstance(name, str) and name in self.facts, "a fact is expected")
         formula = self.facts[name]
         need(isinstance(formula, Fact), "a disjunction is no fact")
         return Fact(self.plain(cast(Fact, formula).poly), cast(Fact, formula).kind)
 
     def polynomial(self, given: Any) -> Polynomial:
-        """A polynomial of a certificate."""
+        """A polynomial, read from a certificate."""
         total: Polynomial = {}
         for term in _list(given):
             need(len(_list(term)) % 2 == 1, "a term is expected")
@@ -457,7 +459,7 @@ class Case(NamedTuple):
         return name in self.problem.symbols or name in {f"?{number}" for number in range(atoms)}
 
     def ends(self, node: Any) -> None:
-        """Refuse unless the sum is 0 although it is above 0."""
+        """Raise Refused unless the sum is both 0 and above 0."""
         need(len(_list(node)) == 3 and node[0] == "sum", "a sum is expected")
         total: Polynomial = {}
         strict = False
@@ -483,7 +485,7 @@ class Case(NamedTuple):
         need(strict, "no product of a sum is above 0")
 
     def refuted(self, node: Any) -> None:
-        """Refuse unless the tree shows that the facts of the case contradict each other."""
+        """Raise Refused unless the tree shows that the facts of the case contradict each other."""
         match node:
             case ["sum", *_]:
                 self.ends(node)
@@ -513,7 +515,7 @@ class Case(NamedTuple):
 def put(
     p: Polynomial, values: Mapping[str, Polynomial], below: Polynomial, sign: int
 ) -> Polynomial:
-    """p with each name as sign value/below, times a power of below, which is above 0."""
+    """p with each name replaced by sign value/below, times a power of below, which is above 0."""
     groups: dict[Monomial, Polynomial] = {}
     for monomial, c in p.items():
         inside = tuple(pair for pair in monomial if pair[0] in values)

@@ -58,9 +58,9 @@ CLAIMED, MUTATED = Mutation(1.0), Mutation(-1.0)
 class Claim:
     """A claim, its meaning for a robot, and its method of proof.
 
-    ``statement(mutation)`` builds the claim's relations from the product's graphs. A claim without
-    statement has its verdict given (HAND or OPEN). ``premises`` names the entries that
-    it depends on.
+    ``statement(mutation)`` builds the claim's relations from the product's graphs.  A claim without
+    statement has a given verdict (HAND or OPEN).  ``premises`` names the entries that it depends
+    on.
     """
 
     id: str
@@ -76,7 +76,7 @@ class Claim:
     theme: str = ""
 
     def words(self) -> dict[str, Any]:
-        """The claim's own part of its ledger entry."""
+        """The claim's texts in its ledger entry."""
         names = ("equations", "form", "claim", "meaning", "hypotheses", "premises", "theme")
         return {name: vars(self)[name] for name in names}
 
@@ -108,13 +108,12 @@ class Claims:
     ) -> Callable[[Written], Written]:
         """Decorator that enters a function as the claim ``id`` about these equations of the paper.
 
-        ``given`` are the hypotheses in words if the docstring has none, ``by`` a method or a given
-        verdict, ``premises`` ids, ``wording`` the claim if the docstring belongs to another one.
-        ``values`` replace their
-        names in braces in every text, and in each other, and are passed to the function (and to
-        ``by``) if it has such arguments; ``over``: one claim for each of these tables, which may
-        have their own ``equations`` and ``each``. ``each``: one claim of several statements, by
-        name, one for each of these tables.
+        ``given``: the hypotheses as text if the docstring has none.  ``by``: a method or a given
+        verdict.  ``premises``: ids.  ``wording``: the claim as text if the docstring belongs to
+        another one.  ``values`` replace their names in braces in every text, and in each other.
+        They are also passed to the function (and to ``by``) if it has such arguments.  ``over``:
+        one claim for each of these tables, which may have their own ``equations`` and ``each``.
+        ``each``: one claim of several statements, by name, one for each of these tables.
         """
         way = by or self.by
 
@@ -147,7 +146,9 @@ class Claims:
 
 @dataclass(frozen=True)
 class Each:
-    """Statement of a claim: the function's for each of these tables, by name."""
+    """Statement of a claim that has several: the function's statement for each of these tables, by
+    name.
+    """
 
     function: Callable[..., Any]
     tables: Mapping[str, Mapping[str, Any]]
@@ -173,7 +174,7 @@ def _filled(text: str, values: Mapping[str, Any]) -> str:
 
 
 def _asked(function: Callable[..., Any], values: Mapping[str, Any]) -> Callable[..., Any]:
-    """The function with the values for its arguments bound."""
+    """The function with the values of its arguments bound."""
     named = signature(function).parameters
     kept = {name: value for name, value in values.items() if name in named}
     return partial(function, **kept) if kept else function

@@ -29,10 +29,10 @@ def missing(method: Method | None) -> tuple[str, ...]:
 def check(claim: Claim, known: Entry | None = None) -> Entry:
     """The claim's entry; NOT_CHECKED if a package is missing.
 
-    The verdict is derived anew and the product's functions are searched anew in any case; an
-    earlier entry, ``known``, says what to try first.  Three results are taken from it if graphs,
-    method and versions are equal: confirmations by other solvers; that cancelled operations are
-    defined; effects of altering each function.
+    The verdict and the product's functions are always derived anew; an earlier entry, ``known``,
+    says what to try first.  Three results are taken from it if graphs, method and versions are
+    equal: confirmations by other solvers; that cancelled operations are defined; effects of
+    altering each function.
     """
     if claim.statement is None or claim.method is None:
         return _entry(claim, claim.verdict)
@@ -99,7 +99,7 @@ def _hash(claimed: Statement, altered: Statement, method: Method) -> str:
 
 
 def _quickest(method: Method, evidence: Mapping[str, Any], key: str) -> Method:
-    """The method, with the engines that answered before asked first, which only saves time."""
+    """The method, with engines that answered before asked first, which only saves time."""
     first = tuple(evidence.get(key, ()))
     return replace(method, first=first) if first and isinstance(method, Z3) else method
 

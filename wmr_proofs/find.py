@@ -1,10 +1,10 @@
 """Find certificates for `wmr_proofs.check` by z3 and flint: ``python -m wmr_proofs.find ID``.
 
-Nothing here is trusted.  A model of z3 says which choice is violated: that one is split.  Where z3
-says that the facts of a case contradict each other, a few of them that do so are looked for, and
-products of these that add up to 0, by exact linear programming.  What a case does not need of its
-condition closes the other cases as well.  ``python -m tests.proofs.record ID`` then enters what was
-found in the ledger.
+Nothing here is trusted.  A model of z3 shows which choice it violates, and that choice is split.
+If z3 says that the facts of a case contradict each other, a small subset that does so is searched.
+Exact linear programming then finds products of these facts that add up to 0.  If a case does not
+need its own condition, its tree also closes the other cases.  ``python -m tests.proofs.record ID``
+then enters the results in the ledger.
 """
 
 from __future__ import annotations
@@ -72,18 +72,20 @@ SOON, LATER = 300_000, 3_000_000
 
 
 class NotFound(Exception):  # noqa: N818
-    """No certificate is found in this way, or in time."""
+    """No certificate was found by this search, or in time."""
 
 
 def proof(text: str, seconds: float = SECONDS) -> Node:
-    """A tree that refutes an obligation; NotFound where none is found in time."""
+    """A tree that refutes an obligation; raises NotFound if none is found in time."""
     WORK.left = 10**15
     problem = Problem(text)
     return Search(process_time() + seconds).tree(Case(problem, problem.facts, {}, {}))
 
 
 def point(text: str, known: Mapping[str, str]) -> dict[str, str]:
-    """Rational numbers for all symbols at which an obligation holds, if possible with these."""
+    """Rational numbers for all symbols at which an obligation holds, including ``known`` ones if
+    possible.
+    """
     symbols, asserted = Problem(text).symbols, z3.parse_smt2_string(text)
     given = [_real(name) == z3.RealVal(value) for name, value in known.items()
              if f"|{name}|" in symbols and not value.endswith("pi")]  # fmt: skip
@@ -105,7 +107,7 @@ def _real(name: str) -> Any:
 
 
 class Search:
-    """A search that ends in time."""
+    """A search with a time limit."""
 
     def __init__(self, end: float) -> None:
         self.end = end
@@ -161,7 +163,7 @@ class Search:
         return None
 
     def _core(self, facts: Facts) -> Facts:
-        """Few facts that contradict each other."""
+        """A small subset of the facts that still contradict each other."""
         kept, size = list(facts), max(1, len(facts) // 2)
         while size:
             place = 0
@@ -233,9 +235,9 @@ class Search:
         )
 
     def _by_sign(self, case: Case, facts: Facts, depth: int) -> Node:
-        """The cases of a sign, of a factor of facts that contradict each other or of an unknown.
+        """The cases of a sign: of a factor of contradictory facts, or of an unknown.
 
-        Where all have one, a sum of products of more facts.
+        If all of them have a known sign, a sum of products of more facts is tried.
         """
         core = self._core(facts).values()
         chosen = [fact for name, fact in facts.items() if name[-1] in "+-"]
@@ -253,7 +255,9 @@ class Search:
         return self._cases(["cut", name, _told(cut.poly)], case, cases, depth)
 
     def _of_either_sign(self, polys: Iterable[Polynomial], facts: Facts) -> Polynomial | None:
-        """The first of these whose sign no sum of facts shows; None if there is none."""
+        """The first of these polynomials whose sign no sum of facts shows; None if there is
+        none.
+        """
         for p in polys:
             sides = (Fact(add({}, p, sign), ">") for sign in (1, -1))
             if all(self._sum({**facts, "*": side}, 1) is None for side in sides):
@@ -300,7 +304,9 @@ class Search:
         return None
 
     def _program(self, polys: Mapping[Used, Polynomial], above: Mapping[Used, bool]) -> Node | None:
-        """A sum of shares of these, by exact linear programming; those in ``above`` >= 0."""
+        """A sum of multiples of these, by exact linear programming; multiples in ``above`` are >=
+        0.
+        """
         if process_time() > self.end:
             raise NotFound("out of time")
         rows = dict[Any, list[Any]]()
@@ -345,7 +351,7 @@ def _plain(case: Case, formula: Formula) -> Formula:
 
 
 def _waits(case: Case, condition: Formula) -> bool:
-    """True if a condition reads choices that are open."""
+    """True if a condition reads choices that are undecided."""
     if isinstance(condition, Join):
         return any(_waits(case, part) for part in condition.parts)
     left = (int(name[1:]) for name in names(case.plain(condition.poly)) if name.startswith("?"))
@@ -367,7 +373,7 @@ def _formula(formula: Formula) -> Any:
 
 
 def _squares(facts: Facts) -> Facts:
-    """Squares that are perhaps completed in a fact; their roots are their names."""
+    """Candidate squares for completing a fact; their roots are in their names."""
     roots = [_derivative(p, name) for p, _ in facts.values() for name in names(p)
              if max(dict(m).get(name, 0) for m in p) == 2]  # fmt: skip
     told = (f"{ROOT}{json.dumps(_told(root))}" for root in roots)
@@ -380,7 +386,7 @@ def _derivative(p: Polynomial, name: str) -> Polynomial:
 
 
 def _factors(p: Polynomial) -> list[Polynomial]:
-    """Factors of a polynomial that has several, with coefficients of their own."""
+    """Factors, with their own coefficients, of a polynomial that has several."""
     unknowns = sorted(names(p))
     ring = fmpq_mpoly_ctx.get(unknowns or ["x"], Ordering.lex)
     terms = {tuple(dict(m).get(name, 0) for name in unknowns): fmpq(str(c)) for m, c in p.items()}
@@ -395,7 +401,7 @@ def _factors(p: Polynomial) -> list[Polynomial]:
 
 
 def _item(share: object, used: Used) -> Node:
-    """A product as a certificate has it."""
+    """A product in the form of a certificate."""
     roots = [json.loads(name[1:]) for name in used if name.startswith(ROOT)]
     facts = [name for name in used if not name.startswith(ROOT)]
     return [str(share), facts, roots] if roots else [str(share), facts]
@@ -435,7 +441,7 @@ def _multiples(
 
 
 def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
-    """The quotient of two monomials if it is one."""
+    """The quotient of two monomials; None if it is not a monomial."""
     powers = dict(whole)
     for name, power in part:
         powers[name] = powers.get(name, 0) - power
@@ -447,7 +453,7 @@ def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
 def _able_to_cancel(
     products: dict[Used, tuple[Polynomial, bool]], multiples: Mapping[Used, Polynomial]
 ) -> dict[Used, tuple[Polynomial, bool]]:
-    """Products without those of which a monomial occurs with one sign alone."""
+    """Products without those that have a monomial with only one sign among all products."""
     free = {monomial for p in multiples.values() for monomial in p}
     while True:
         signs = {(m, c > 0) for p, _ in products.values() for m, c in p.items()}
@@ -459,7 +465,9 @@ def _able_to_cancel(
 
 
 def _linked(polys: Mapping[Used, Polynomial]) -> Iterator[list[Used]]:
-    """Polynomials that share monomials, or are linked by such: sums of others are 0 by parts."""
+    """Groups of polynomials linked by shared monomials; a sum is 0 only if it is 0 in each
+    group.
+    """
     groups = dict[Any, list[Used]]()
     for known, p in polys.items():
         touched = {id(groups[m]): groups[m] for m in p if m in groups}
@@ -475,22 +483,22 @@ def _linked(polys: Mapping[Used, Polynomial]) -> Iterator[list[Used]]:
 
 
 def _told(p: Polynomial) -> Node:
-    """A polynomial as a certificate has it."""
+    """A polynomial in the form of a certificate."""
     return [[str(c), *(x for pair in m for x in pair)] for m, c in sorted(p.items()) if c]
 
 
 @cache
 def committed() -> dict[str, Any]:
-    """Every certificate by its obligation, without the lines that name it."""
+    """Every certificate by its obligation's text without the lines that name it."""
     files = FOLDER.glob("*.json.xz")
     pairs = (pair for path in files for pair in unpacked(path).values())
     return {text.split("\n", 2)[2]: certificate for text, certificate in pairs}
 
 
 def find(claim: Claim, entry: Entry, seconds: float) -> dict[str, Any]:
-    """Certify what can be certified of an entry, save it, and return its row of the index.
+    """Certify the obligations of an entry if possible, save them, and return its row of the index.
 
-    What is committed and shows an obligation of today is kept, whatever its name was.
+    A committed certificate that shows an obligation of the present is kept, whatever its name was.
     """
     kept = committed()
     rows, found = [], {}
@@ -514,7 +522,7 @@ def find(claim: Claim, entry: Entry, seconds: float) -> dict[str, Any]:
 def _certificate(
     text: str, item: Obligation, known: Any, entry: Entry, seconds: float
 ) -> dict[str, Any] | None:
-    """The certificate that is known, if it is one, or another; None if none is found."""
+    """The known certificate if it is valid, else a new one; None if none is found."""
     try:
         if check(text, known) == item.wanted:
             return known
@@ -531,7 +539,7 @@ def _certificate(
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Find certificates of the entries that are named, and keep them."""
+    """Find certificates of the named entries, and save them."""
     parser = argparse.ArgumentParser(prog="python -m wmr_proofs.find", description=__doc__)
     parser.add_argument("ids", nargs="*", metavar="ID", help="entries, or globs of them; none: all")
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of the processor, for each")

@@ -1,11 +1,11 @@
 """The compiled function as a list of nodes, and the walker that evaluates it.
 
-The nodes are those of `wmr_ctrl.world.model.graph`, which the C emitter uses, too: a choice is one
+The nodes are those of `wmr_ctrl.world.model.graph`, which the C emitter also uses: a choice is one
 node ``choose``, so that a method never evaluates a branch that is not taken, and a quotient by a
 parameter is the product that C computes.
 
 A method of proof is an `Arithmetic`: constants, inputs, operations and, for conditions, either a
-decision or a merge.  If a condition cannot be decided the walk takes both ways, one after the
+decision or a merge.  If a condition cannot be decided the walk takes both paths, one after the
 other, and the claim must be proved on each.
 """
 

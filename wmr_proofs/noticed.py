@@ -35,7 +35,7 @@ def tried(
 ) -> dict[str, str]:
     """Verdict of the claim with each of the functions altered, if it is not ``known``.
 
-    Empty if it was not tried within so many seconds of processor time.
+    Empty if it was not tried within ``seconds`` of processor time.
     """
     found, started = {name: known.get(name, "") for name in functions}, process_time()
     for name in functions:
@@ -45,11 +45,11 @@ def tried(
 
 
 def after_alteration(claim: Claim, name: str) -> str:
-    """REFUTED if one of the alterations of the function is, at first within a short budget; else
-    OPEN if one is also within a longer one, and the claim itself is PROVED within the short one;
-    else PROVED if all are.
+    """Verdict of the claim when the function is altered.
 
-    Empty if nothing of this is found.
+    REFUTED if one of the alterations is refuted, first within a short budget.  Else OPEN if one is
+    open even within a longer budget, although the claim itself is PROVED within the short one.
+    Else PROVED if all are proved.  Empty if none of these is found.
     """
     assert claim.method is not None
     statements = [built(claim, {name: change}) for change in CHANGES.values()]
@@ -76,7 +76,7 @@ def proves_quickly(key: str) -> bool:
 
 
 def verdict_of(method: Method, statement: Statement) -> str:
-    """Verdict of a method; PROVED where it was not told of an input, which is no news."""
+    """Verdict of a method; PROVED if the method lacks an input, since that says nothing."""
     try:
         return method.decide(statement).verdict
     except KeyError:

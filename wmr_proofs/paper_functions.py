@@ -1,12 +1,12 @@
 """The paper's functions that no run evaluates, as graphs: Lyapunov functions, bounds, matrices.
 
-Eqs. (1), (2), (4), (31), (62) and kin, and the proof of Theorem 1's, Eqs. (39)-(56). None is
-compiled to C: one function for each equation that is only used in proofs about the laws, in the
-paper's letters, on the same symbols as the laws' own graphs.
+They are Eqs. (1), (2), (4), (31), (62) and similar ones, and the proof of Theorem 1's, Eqs.
+(39)-(56).  None is compiled to C: there is one function for each equation that only proofs about
+the laws use, in the paper's letters, on the same symbols as the laws' own graphs.
 
-Of Theorem 1: whole-number coefficients (10 x < 2 for x < 0.2) keep every constant exact.  E stands
-for |e2| at the start t0 of the window of length T; v1dmin <= v1d <= v1dmax; l > 5 is the proof's
-large number.
+For Theorem 1: whole-number coefficients (10 x < 2 for x < 0.2) keep every constant exact.  E is
+|e2| at the start t0 of the window of length T; v1dmin <= v1d <= v1dmax; l > 5 is the proof's large
+number.
 """
 
 import itertools

@@ -192,8 +192,7 @@ def joined(one: Case, two: Case) -> Case:
 
 
 def paired_cases() -> Cases:
-    """Every open region of axis 1 and of axis 2 once, each with a different region of the other
-    axis.
+    """Every open region of axis 1 and of axis 2 once, each paired with a region of the other axis.
 
     This is enough if the statement is a sum of one term per axis: terms of independent variables
     whose sum is 0 are constant on their regions.

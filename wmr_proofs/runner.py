@@ -137,9 +137,9 @@ def _entries(ids: Sequence[str], processes: int, examine: bool) -> Iterable[Entr
 def _begin(parent: int) -> None:
     """Set up a worker process: it ends with its parent, and its solvers use one thread only.
 
-    Ctrl-C ends it silently, though only after this set-up.  Garbage is collected between two
-    entries: a collection in the thread that watches the parent would free a solver's terms while
-    the solver uses them.
+    Ctrl-C ends it silently, but only after this set-up.  Garbage is collected between two entries:
+    a collection in the thread that watches the parent would free a solver's terms while the solver
+    uses them.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     if os.name != "nt":

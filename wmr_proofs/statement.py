@@ -1,11 +1,11 @@
 """Statement of a claim: relations between expressions of the product's own graphs.
 
-Relations are comparisons, as ``V >= v_bar``.
+Relations are comparisons, such as ``V >= v_bar``.
 
-For statements on computed numbers, every rounding operation becomes a separate input: any number
-within the unit of rounding of the exact result of that operation on such numbers, which is the
-standard model of IEEE arithmetic without overflow and underflow.  A proof for all such numbers is
-valid for the compiled text (`assumption.libm`).
+For statements about computed numbers, every rounding operation becomes a separate input.  It stands
+for any number within the unit of rounding of the exact result of that operation on such numbers.
+This is the standard model of IEEE arithmetic without overflow and underflow.  A proof for all such
+numbers is valid for the compiled text (`assumption.libm`).
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ def listed(relations: Relations) -> tuple[Relation, ...]:
 
 
 def compared(truth: SX) -> Relation:
-    """What a comparison states; one that CasADi has decided is 0 = 0 or 1 = 0.
+    """The relation of a comparison; one that CasADi has decided becomes 0 = 0 or 1 = 0.
 
-    ValueError for another expression.
+    Raises ValueError for another expression.
     """
     if truth.is_constant():
         return equal(1, truth)
@@ -126,7 +126,7 @@ ROUNDED = frozenset({"add", "sub", "mul", "div", "inv", "sq", "sqrt"})
 class RoundedGraph:
     """Nodes with an input for each rounding, the indices of the results, and the inputs' bounds.
 
-    ``bounds`` are nodes that are not negative: the unit's share of an exact result, less the
+    ``bounds`` are nodes that must not be negative: the unit times an exact result, less the
     distance of the computed one, for both signs.
     """
 
@@ -193,9 +193,9 @@ class Statement:
     """For all ``symbols`` with ``given``: every goal holds.
 
     ``cuts`` names inner expressions that become free inputs: the statement is then proved for all
-    their values. ``numbers`` are symbols with one value. Each of the symbols named in ``computed``
-    is whatever the compiled text may compute for its expression, every operation rounded with a
-    relative error of at most ``unit``. ``parts``: see `joined`.
+    their values.  ``numbers`` are symbols with one value.  Each symbol named in ``computed`` is any
+    number that the compiled text may compute for its expression, every operation rounded with a
+    relative error of at most ``unit``.  ``parts``: see `joined`.
     """
 
     symbols: Expressions
@@ -243,18 +243,18 @@ class Statement:
 
 
 def joined(parts: Mapping[str, Statement]) -> Statement:
-    """All of these statements, by name, each about symbols of its own."""
+    """All of these statements, by name, each about its own symbols."""
     goals = [part.goals for part in parts.values()]
     return Statement({}, goals, [part.given for part in parts.values()], parts=parts)
 
 
 def own_name(name: str, part: str) -> str:
-    """A part's symbol in the statement that it is joined to."""
+    """Name of a part's symbol in the joined statement."""
     return f"{name}, {part}"
 
 
 def own_point(point: Mapping[str, str], part: Statement, key: str) -> dict[str, str]:
-    """A joined statement's point as the part ``key`` has it."""
+    """Point of the part ``key`` from a point of the joined statement."""
     names = {own_name(name, key): name for name in part.graph.input_names}
     return {names[name]: value for name, value in point.items() if name in names}
 
@@ -279,8 +279,8 @@ def _united(parts: Mapping[str, Statement]) -> ProvedGraph:
 def instance(proved: Statement, values: Expressions) -> tuple[Relation, ...]:
     """Each goal of a proved statement, for these ``values`` of its symbols.
 
-    It is true if all of the statement's hypotheses are true for them; nothing is cut or computed in
-    it.
+    A goal is true if all of the statement's hypotheses are true for the values; nothing is cut or
+    computed in it.
     """
     given, goals = (valued(part, proved.symbols, values) for part in (proved.given, proved.goals))
     truth = {EQUAL: "eq", AT_LEAST: "ge", ABOVE: "gt"}
@@ -312,7 +312,7 @@ class Symbols(dict[str, SX]):
 
 
 class Named(Expressions):
-    """Base of a setting that is the table of its ``symbols``, which are attributes, too.
+    """Base of a setting, which is the table of its ``symbols``; these are attributes, too.
 
     ``always`` are goals of each of its statements.
     """
@@ -344,7 +344,7 @@ class Named(Expressions):
         cuts: Expressions | None = None,
         more: Expressions | None = None,
     ) -> Statement:
-        """The statement about these symbols, and ``more``."""
+        """The statement about these symbols and ``more``."""
         return Statement(self.symbols | (more or {}), (goals, self.always), given, cuts or {})
 
 
@@ -367,5 +367,5 @@ def exchanged(expr: SX, old: Expressions, new: Expressions) -> SX:
 
 
 def stacked(table: Expressions, name: str, size: int) -> SX:
-    """Column of name1 to name<size> out of a table."""
+    """Column of name1 to name<size> from a table."""
     return vertcat(*(table[f"{name}{i}"] for i in range(1, size + 1)))

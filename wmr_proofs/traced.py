@@ -114,7 +114,7 @@ def _least(*values: Any) -> float:
 
 @contextmanager
 def functions_for_traced(package: str, but: str) -> Iterator[None]:
-    """Context in which the modules of a package have sin, expm1, min and float that preserve
+    """Context in which a package's modules have sin, expm1, min and float that preserve
     expressions.
 
     Their other ``math`` functions use a traced number as a float, and so do all functions of the

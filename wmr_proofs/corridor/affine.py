@@ -3,13 +3,13 @@
     y = c + L xi + r',     |xi_k| <= 1,  |r'| <= r
 
 They are expressions of the box's middle and half-widths, composed once for a graph, and CasADi
-evaluates them for each box.  With ``size`` at least the sum of all sizes added, an operation's
-rounding error is at most ROUNDING of it, and is added to r. Both sides of an undecided choice are
-enclosed by their hull, of |x|, min and max by a secant.
+evaluates them for each box.  ``size`` is at least the sum of all absolute values added.  An
+operation's rounding error is at most ROUNDING times it, and is added to r.  An undecided choice is
+enclosed by the hull of both sides; |x|, min and max are enclosed by a secant.
 
-CasADi simplifies these expressions by identities of real numbers, and no bound depends on how a
-number was rounded, so simplified expressions have no larger error.  fmin, fmax and conditions
-ignore NaN: where they are used, the operands' sums preserve it.
+CasADi simplifies these expressions by identities of real numbers.  No bound depends on how a number
+was rounded, so simplified expressions have no larger error. fmin, fmax and conditions ignore NaN;
+where they are used, the operands' sums preserve it.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Form:
 
     @cached_property
     def range(self) -> tuple[ca.SX, ca.SX]:
-        """Interval that contains it, with rounding."""
+        """Interval that contains the form's values, with rounding."""
         radius = self.radius + abs(self.c) * ROUNDING
         return self.c - radius, self.c + radius
 
@@ -182,7 +182,7 @@ def _mul(a: Form, b: Form) -> Form:
 
 
 def _along(a: Form, slope: ca.SX, least: ca.SX, most: ca.SX) -> Form:
-    """slope a plus an interval from ``least`` to ``most``."""
+    """The form slope a, plus an interval from ``least`` to ``most``."""
     middle, half = (least + most) / 2, (most - least) / 2
     size = abs(slope) * a.size + abs(least) + abs(most)
     return _rounded(slope * a.c + middle, a.L * slope, abs(slope) * a.r + half, size)

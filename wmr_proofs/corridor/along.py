@@ -2,7 +2,7 @@
 
 Each disturbance of a sample is a generator (a column): pushes, measurement errors, and the
 linearisation remainder of the law's force, each with either sign.  The sample's matrix propagates
-them.  Everything else that a sample adds is a box: remainders, the radii of the matrices, and
+them.  The other contributions of a sample are a box: remainders, the radii of the matrices, and
 rounding.  Order reduction: generators that have become old are added to that box.
 """
 
@@ -141,7 +141,9 @@ class Along:
 
     @cached_property
     def typical(self) -> Floats:
-        """Typical sizes of errors (5, 2) by pushes of 1 N m, halfway; no bound depends on them."""
+        """Typical sizes of errors (5, 2) due to pushes of 1 N m, halfway; no bound depends on
+        them.
+        """
         here = self.halfway
         A, x, seen = here.A.middle[0], here.push.middle[0], 0.0
         for _ in range(LONGEST):
@@ -187,7 +189,7 @@ class Along:
     def _residuals(self) -> tuple[Floats, Floats]:
         """Largest differences between the undisturbed run and the graphs, over all samples.
 
-        Of the law's outputs, and of the fast state at the end of each plant step.
+        They are for the law's outputs, and for the fast state at the end of each plant step.
         """
         loop, n = self.loop, len(self.motion.v_d)
         law, step = np.zeros(self.outs.shape[1]), np.zeros(len(loop.names))

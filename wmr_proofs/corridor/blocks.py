@@ -21,15 +21,17 @@ class FollowedBlock:
     """J samples at the indices ``at`` of a stretch.
 
     ``chain`` (J + 1, n, n): products of matrices until each sample and until the end.  ``inner``
-    (J, rows, n): rows of each sample by the state at its beginning.  ``columns`` (n, J, w): each
-    sample's contribution at the end: by known disturbances, from the second of ``ends`` on by a
-    disc's pair, from the third by the law's force, then by boxes.  ``by`` (J times all rows, j w):
-    sizes of rows at the end and at the beginning of sample j, by contributions of the first j.
+    (J, rows, n): rows of each sample as functions of the state at its beginning.  ``columns`` (n,
+    J, w): each sample's generators at the end of the block: known disturbances, from the second of
+    ``ends`` on a disc's pair, from the third the law's force, then boxes.  ``by`` (J times all
+    rows, j w): responses of the rows at the end and at the beginning of sample j to the generators
+    of the first j samples.
 
     Independent of the deviations: ``ahead`` (J, all rows, n): rows at the end and at the beginning
-    of each sample by the state before the block, ``own`` (J, all rows) their sizes by disturbances.
-    ``wide`` (J, outputs, n): error of the law's linear part by the state, ``direct`` that by
-    measurement errors.  Of boxes: ``box`` (J, n), and contributions by the state and the law.
+    of each sample as functions of the state before the block; ``own`` (J, all rows): their sizes
+    due to the sample's disturbances.  ``wide`` (J, outputs, n): error of the law's linear part per
+    unit of the state; ``direct``: its error due to measurement errors.  For boxes: ``box`` (J, n),
+    and contributions of the state and the law.
     """
 
     at: IntArray
@@ -48,7 +50,7 @@ class FollowedBlock:
 
 
 def inputs_of(here: Stretch, inputs: Inputs, at: IntArray) -> tuple[Floats, Floats]:
-    """Columns (..., n, m) of the disturbances of samples, and pairs of a disc."""
+    """Columns (..., n, m) of the disturbances of samples, and the pairs of a disc."""
     by_law, push, seen = (getattr(here, name).middle[at] for name in ("law", "push", "seen"))
     known = push * inputs.push
     if inputs.velocity.any():
@@ -105,7 +107,7 @@ def blocks_of(
 
 
 def _wide(here: Stretch, inputs: Inputs, at: IntArray, which: IntArray) -> dict[str, Floats]:
-    """Contributions of the matrices' radii and rounding at some indices."""
+    """Contributions of the matrices' radii and of rounding at some indices."""
     A, law, outputs, push, seen = (
         MidRadius(part.middle[at], part.radius[at])
         for part in (here.A, here.law, here.outputs, here.push, here.seen)

@@ -23,8 +23,8 @@ BLOCK = 2**17
 class CarriedColumns:
     """Generators ``weight`` (m, K) times ``values`` (n, m, K) of K samples, the oldest first.
 
-    ``born`` (K): the first sample that each belongs to.  Of a sample's m generators, those before
-    the first of ``ends`` are disturbances, those until the second are the law's force and box
+    ``born`` (K): the sample that each belongs to.  Of a sample's m generators, those before the
+    first of ``ends`` are disturbances, those until the second are the law's force and box
     components, and the rest is a disc's pair.
     """
 
@@ -35,7 +35,7 @@ class CarriedColumns:
 
     @property
     def bent(self) -> Floats:
-        """Weights (K, ...) of the law's force and of boxes' components."""
+        """Weights (K, ...) of the law's force and of the boxes' components."""
         return self.weight[slice(*self.ends)].T
 
     @property
@@ -44,7 +44,9 @@ class CarriedColumns:
         return sizes_of(self.values, self.weight) * UP
 
     def later(self, P: Floats, oldest: int) -> tuple[CarriedColumns, Floats]:
-        """Generators times P, without those born before ``oldest``; sizes (n) of the latter."""
+        """Generators times P, without those born before ``oldest``; and the sizes (n) of the
+        latter.
+        """
         lost = int(np.searchsorted(self.born, oldest))
         values = (P @ self.values.reshape(len(P), -1)).reshape(self.values.shape)
         gone = sizes_of(values[..., :lost], self.weight[:, :lost])
@@ -52,7 +54,7 @@ class CarriedColumns:
         return replace(self, born=born, values=values[..., lost:], weight=weight), gone
 
     def and_more(self, *new: CarriedColumns) -> CarriedColumns:
-        """These columns and younger ones."""
+        """These columns, followed by younger ones."""
         every = (self, *new)
         born, values, weight = (
             np.concatenate([getattr(item, name) for item in every], axis=-1)
@@ -68,8 +70,8 @@ class CarriedColumns:
     def thinned(self, first: int, last: int, apart: int) -> tuple[CarriedColumns, Floats]:
         """Order reduction: keep one in ``apart`` of the samples born from ``first`` to ``last``.
 
-        The first and the last are kept.  Each sample between is interpolated with one sign; the
-        remainder is returned as a box, its sizes (n).
+        The first and the last are kept.  Each sample in between is replaced by an interpolation of
+        kept ones; the remainder is returned as a box with sizes (n).
         """
         begin, end = np.searchsorted(self.born, (first, last + 1)).tolist()
         count = end - begin
@@ -85,13 +87,14 @@ class CarriedColumns:
         return result, sizes_of(off, old.weight)
 
     def older(self, samples: int) -> CarriedColumns:
-        """These columns, born ``samples`` later."""
+        """These columns, with ``born`` shifted by ``samples``."""
         return replace(self, born=self.born + samples)
 
     def sums(self, rows: Floats, sizes: Floats) -> tuple[Floats, Floats]:
-        """Sizes of rows (..., r, n) of the sum: of disturbances alone, and of all generators.
+        """Sizes of the sum in each of the rows (..., r, n): for disturbances alone, and for all
+        generators.
 
-        In single precision, whose rounding is bounded by ``sizes``.
+        Computed in single precision, with its rounding bounded by ``sizes``.
         """
         count = len(self.born)
         flat = (self.values * self.weight).reshape(len(self.values), -1)
@@ -108,7 +111,9 @@ class CarriedColumns:
 
 @lru_cache(maxsize=64)
 def _shares(born: tuple[int, ...], apart: int) -> tuple[IntArray, Floats]:
-    """Indices of kept samples, with the ends, and shares (kept, samples) of each in all."""
+    """Indices of kept samples, including both ends, and weights (kept, samples) for
+    interpolation.
+    """
     last = len(born) - 1
     nodes = np.unique(np.linspace(0, last, -(-last // apart) + 1).round().astype(int))
     ends = np.array(born)[nodes]
@@ -121,7 +126,7 @@ def sizes_of(values: Floats, weight: Floats) -> Floats:
 
 
 def _absolute(rows: Floats, columns: Floats) -> Floats:
-    """Sums of absolute products, by rows, in blocks that are too small for BLAS threads."""
+    """Sums of absolute products, row by row, in blocks that are too small for BLAS threads."""
     result, single = np.zeros(rows.shape[:-1]), rows.astype(np.float32)
     width = max(1, BLOCK // (rows.shape[-1] * rows.shape[-2]))
     for first in range(0, columns.shape[1], width):

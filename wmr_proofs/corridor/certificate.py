@@ -7,7 +7,7 @@ the box |x| <= X,
 
 and no limit acts on that box: then a loop that starts within ``start`` of its reference has |x| <=
 X at all plant steps (ledger: corridor.induction).  The left side without start, evaluated at X and
-then at itself, bounds x in the long run.
+then at its own result, bounds x in the long run.
 """
 
 from __future__ import annotations
@@ -56,10 +56,10 @@ class Certifier:
     def __init__(
         self, setup: Setup, overlap: Overlap | None = None, sizes: Floats | None = None
     ) -> None:
-        """Build it; NoCorridorError if the loop is not covered.
+        """Build it; raises NoCorridorError if the loop is not covered.
 
-        ``overlap``, and ``sizes`` of forces for a guard that counts late commands, are given if
-        known.
+        ``overlap``, and ``sizes`` of forces for a guard that takes late commands into account, are
+        given if known.
         """
         check_covered(setup)
         if overlap is None:
@@ -109,7 +109,7 @@ class Certifier:
     def _old_velocity(self) -> tuple[Floats, Floats]:
         """Errors (2) of an observer's remembered velocity for which its force estimate is 0.
 
-        For a measured velocity with error 1, and for an own force estimate of 1.
+        The first is for a measured velocity with error 1, the second for a force estimate of 1.
         """
         if self.loop.observed is None:
             return np.zeros(COMMAND), np.zeros(COMMAND)
@@ -124,7 +124,7 @@ class Certifier:
     def _before(self, inputs: Inputs, law: Floats) -> Floats:
         """Effective error of the velocity (2) that an observer remembers at the start.
 
-        Its first force estimate is 0, for any error of the measured velocity.
+        Its first force estimate is 0 for any error of the measured velocity.
         """
         if self.loop.observed is None or not inputs.velocity.any():
             return np.zeros(COMMAND)
@@ -167,7 +167,7 @@ class Certifier:
         return rest
 
     def _rest(self, inputs: Inputs) -> Floats:
-        """Increment of a plant step on the reference, including that by another mass."""
+        """Increment of a plant step on the reference, including the effect of another mass."""
         return np.asarray((self.step_rest + self.by_body @ inputs.body) * UP)
 
     @property
@@ -222,7 +222,7 @@ class Certifier:
         )
 
     def _reckoned(self, inputs: Inputs, peaks: Peaks) -> Inputs:
-        """Inputs that include the dead-reckoning errors of the samples without a pose."""
+        """Inputs, enlarged by the dead-reckoning errors of the samples without a pose."""
         measured = peaks.fast[:ROBOT] + np.array([0.0, 0.0, 0.0, *inputs.velocity])
         return self.reckoning.added(inputs, measured, peaks.fast) if inputs.missing else inputs
 
@@ -241,7 +241,9 @@ class Certifier:
         return Peaks(*((part + item.left * norm) * UP for part, item in parts))
 
     def next_sample(self, inputs: Inputs, state: Floats, peaks: Peaks) -> Peaks:
-        """Sizes over one sample from a state within ``state``, while all is within ``peaks``."""
+        """Sizes over one sample from a state within ``state``, while all deviations are within
+        ``peaks``.
+        """
         inputs = self._reckoned(inputs, peaks)
         step, law = self._added(inputs, peaks)
         given = self._given(inputs, law, self._changes(inputs, peaks))
@@ -272,8 +274,8 @@ class Certifier:
     def _given(self, inputs: Inputs, law: Floats, changes: Floats) -> Floats:
         """Inputs of the gains, in the order of their columns.
 
-        Pushes, the law's remainders, overlap errors of commands that change by ``changes``, and
-        measurement errors.
+        These are pushes, the law's remainders, overlap errors of commands that change by
+        ``changes``, and measurement errors.
         """
         error = np.array([inputs.pose, *inputs.reckoned, *inputs.velocity])
         late = (self.loop.overlap.off * changes * UP).ravel()
@@ -311,7 +313,7 @@ class Certifier:
         return Peaks(*map(of, self._three))
 
     def _grows(self, peaks: Peaks) -> NoCorridorError:
-        """Error for products of deviations that outgrow what the loop corrects."""
+        """Error to raise if products of deviations outgrow the loop's corrections."""
         return NoCorridorError(
             "products of deviations may grow as large as what the loop corrects, beyond the "
             f"{length(self.position(peaks))} that the linear loop leaves"
@@ -319,7 +321,7 @@ class Certifier:
 
 
 def _overlap(setup: Setup) -> Overlap:
-    """The overlap of a setup's commands; for a ramp, slightly more than the linear loop needs."""
+    """The overlap of a setup's commands; for a ramp, slightly larger than the linear loop needs."""
     scenario = setup.scenario
     if not setup.takes_velocity:
         return jitter_overlap(scenario)
@@ -331,7 +333,7 @@ def _overlap(setup: Setup) -> Overlap:
 
 
 def _force_sizes(setup: Setup, overlap: Overlap) -> Floats:
-    """Force sizes (2) that a guard counts for late commands, slightly above the linear ones."""
+    """Force sizes (2) for a guard with late commands, slightly above those of the linear loop."""
     if not counts_late(setup):
         return NOTHING
     free = Certifier(setup, overlap, NOTHING)

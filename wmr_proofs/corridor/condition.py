@@ -12,8 +12,8 @@ AXES = ("linear", "angular")
 class Condition:
     """A bound |value| <= most under which the loop equals the certified model.
 
-    ``inner``: its size was chosen by the certificate and is no limit of anything.  ``measured``:
-    axis whose measurement error of the velocity a first sample adds to the value.
+    ``inner``: the certificate chose its size, which is not the size of a limit.  ``measured``: axis
+    whose measurement error of the velocity a first sample adds to the value.
     """
 
     name: str

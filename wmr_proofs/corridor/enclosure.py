@@ -150,7 +150,7 @@ _SIGNS = {operator.add: "+", operator.sub: "-", operator.mul: "*", operator.true
 
 
 class BentEnclosure(Enclosure):
-    """Second derivatives of a graph, valid only where value and gradient have one formula, too.
+    """Second derivatives of a graph, valid only where value and gradient also have one formula.
 
     A box is refused if any of the three has an undecided condition or a kink on it.
     """

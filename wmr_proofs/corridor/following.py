@@ -1,9 +1,9 @@
 """Propagation of a flowpipe over one block of samples, by a guess that is then verified.
 
-The remainders of the law in a sample follow from the deviations X at its beginning, those of its
-plant steps from a box Z that contains the fast state within the sample.  All remainders of a block
-are guessed; the guess is valid if it contains the remainders that it implies (ledger:
-corridor.passage).
+The remainders of the law in a sample follow from the deviations X at its beginning.  The remainders
+of its plant steps follow from a box Z that contains the fast state within the sample.  All
+remainders of a block are guessed; the guess is valid if it contains the remainders that it implies
+(ledger: corridor.passage).
 """
 
 from dataclasses import dataclass
@@ -37,8 +37,8 @@ class _Until:
     """Part of a block's bounds that does not depend on the guess.
 
     ``linear``, ``after`` (J, rows): bounds of the rows at samples' ends, by disturbances alone and
-    in all; ``inner``: those of inner rows.  ``through`` (n): sizes of all generators propagated by
-    the last matrix.  ``box`` (J, n): additional box.
+    by all contributions; ``inner``: those of inner rows.  ``through`` (n): sizes of all generators
+    propagated by the last matrix.  ``box`` (J, n): additional box.
     """
 
     linear: Floats
@@ -76,7 +76,7 @@ class Following(Remainders):
         self.last = self.before = Guess(*nothing)
 
     def _begin_estimate(self) -> None:
-        """Set the initial error of the pose estimate, which begins as the measured pose."""
+        """Set the initial error of the pose estimate, which starts as the measured pose."""
         loop = self.loop
         first = COMMAND + loop.memory - loop.filter
         place = len(self.pending) - loop.acting - loop.filter
@@ -87,14 +87,14 @@ class Following(Remainders):
         self.pending[place : place + 3] = np.array([off, off, begun[2]]) * UP + UNSURE
 
     def _none(self) -> CarriedColumns:
-        """No columns yet."""
+        """Empty set of columns."""
         known = COMMAND * (2 if self.inputs.velocity.any() else 1)
         ends = known, known + COMMAND + len(self.along.lasting)
         m, n = ends[1] + COMMAND * bool(self.inputs.pose), self.along.states.shape[1]
         return CarriedColumns(np.zeros(0, dtype=int), np.zeros((n, m, 0)), np.zeros((m, 0)), ends)
 
     def _reached(self) -> tuple[Floats, Floats]:
-        """Bounds of the rows, by disturbances alone and in all."""
+        """Bounds of the rows, by disturbances alone and by all contributions."""
         linear, every = self.carried.sums(self.rows, self.carried.sizes)
         return linear, (every + self.row_sizes @ self.pending) * UP
 
@@ -127,10 +127,11 @@ class Following(Remainders):
         *,
         first: bool = True,
     ) -> tuple[tuple[Floats, Floats], Floats]:
-        """Propagate the bounds of the rows, by disturbances alone and in all, to a block's end.
+        """Propagate the bounds of the rows, by disturbances alone and by all contributions, to a
+        block's end.
 
-        Also returns the numbers of RunBounds of each sample (J, any). OtherBoxError if deviations
-        leave the secant boxes, or these are too wide on a ``first`` try.
+        Also returns the numbers of RunBounds of each sample (J, any).  Raises OtherBoxError if
+        deviations leave the secant boxes, or these are too wide on a ``first`` try.
         """
         self.tried = now.k + now.count
         spend(0, COST + self.carried.weight.size / COLUMNS)
@@ -169,7 +170,9 @@ class Following(Remainders):
     def _beside(
         self, now: Instant, guess: Guess, until: _Until, places: slice = slice(None)
     ) -> tuple[Floats, Floats]:
-        """Reach of rows at the ends of samples (J, rows), and of inner ones within them."""
+        """Largest values of rows at the ends of samples (J, rows), and of inner rows within
+        them.
+        """
         weights, first = np.zeros((now.count, now.block.columns.shape[2])), now.block.ends[1]
         weights[:, first:] = guess.weights
         flat, count = weights.ravel(), len(self.rows)
@@ -209,7 +212,9 @@ class Following(Remainders):
     def _within(
         self, now: Instant, state: Floats, commands: Floats, inner: Floats
     ) -> tuple[Floats, Floats]:
-        """Largest distances from the chords within samples; reach of the rows at the knots."""
+        """Largest distances from the chords within samples, and largest values of the rows at the
+        knots.
+        """
         rows, at, push = self.along.rows, now.block.at, self.inputs.push
         extra, most = np.zeros((now.count, self.nz)), np.zeros((now.count, len(rows)))
         for j, knot in enumerate(now.here.knots):

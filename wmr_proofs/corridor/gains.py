@@ -1,9 +1,9 @@
 """Enclosed peak gains of the sampled loop: largest linear outputs under bounded inputs.
 
-The matrix A of a sample has a ball for each entry, and its powers are computed with as many bits as
-the growth of |A|^k requires, so that no diagonalising coordinates are needed. With q = ||A^K|| < 1
-in a weighted norm, which is computed, all terms after K samples are at most q/(1-q) of those
-before.  Sums are of absolute values in doubles, with their rounding added.
+The matrix A of a sample has a ball for each entry.  Its powers are computed with as many bits as
+the growth of |A|^k requires, so no diagonalising coordinates are needed.  With q = ||A^K|| < 1 in a
+weighted norm, which is computed, all terms after K samples are at most q/(1-q) times those before.
+Sums are of absolute values in doubles, with their rounding added.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ class LoopGains:
     """Gains of the fast state at all plant steps, of the state at samples, and of the law's
     outputs.
 
-    Rows of ``fast``: its elements, directions of (e1, e2), then for each of PAIRS the sum and the
-    difference of its first with ``ratios`` times its second, and the error of dead reckoning over
-    one, two and more samples (3 each), if requested.  ``damping`` is q, over ``samples``, ``scale``
-    the weights of its norm.
+    Rows of ``fast``: its elements; directions of (e1, e2); for each of PAIRS the sum and the
+    difference of its first element and ``ratios`` times its second; and, if requested, the error of
+    dead reckoning over one, two and more samples (3 each).  ``damping`` is q, over ``samples``;
+    ``scale``: the weights of its norm.
     """
 
     fast: Gains
@@ -65,7 +65,7 @@ class LoopGains:
         return bool(self.state.start.any())
 
     def nearer(self, share: float) -> LoopGains:
-        """Gains for a share of the initial deviation, in which the responses are linear."""
+        """Gains for a share of the initial deviation, on which the responses depend linearly."""
         fast, state, law = (
             replace(item, start=item.start * share * UP)
             for item in (self.fast, self.state, self.law)
@@ -79,8 +79,8 @@ def loop_gains(
     """All gains of a loop, for initial deviations by shares of the columns ``start`` (n, columns).
 
     ``added``: constant increment of the fast state in every plant step.  With a ``reckoning`` also
-    its error (3) over one sample and more.  SlowLoopError if the loop is unstable or too slow to be
-    enclosed.
+    its error (3) over one sample and more.  Raises SlowLoopError if the loop is unstable or too
+    slow to be enclosed.
     """
     with ctx.workprec(SPARE_BITS):
         rough = doubles(SampleMatrices(loop).A)
@@ -95,7 +95,9 @@ def loop_gains(
 
 
 def _samples(a: Floats) -> tuple[int, float]:
-    """Estimates, used in no bound, of the samples until A^K is small and the growth of |A|^k."""
+    """Estimated number of samples until A^K is small, and growth of |A|^k; no bound depends on
+    them.
+    """
     damping, growth = (float(np.abs(np.linalg.eigvals(m)).max()) for m in (a, np.abs(a)))
     samples = ceil(log(LEFT) / log(damping)) + 2 * len(a) if 0 < damping < 1 else MOST_SAMPLES + 1
     if samples > MOST_SAMPLES:

@@ -50,7 +50,9 @@ OF_BASE = (
 
 
 class NoCorridorError(ArithmeticError):
-    """No certificate: the reason as a clause, and shares of inputs and start that have one."""
+    """No certificate: the reason as a clause, and the shares of inputs and start for which one
+    exists.
+    """
 
     def __init__(self, text: str, closes: float | None = None, near: float = 1.0) -> None:
         super().__init__(text)
@@ -61,12 +63,12 @@ class NoCorridorError(ArithmeticError):
 class Inputs:
     """Bounds of the inputs.
 
-    ``push``: torque on each wheel (2) [N m], held over a sample; ``pose``: error of the measured
-    position [m]; ``velocity``: error of each measured velocity (2); ``body``: deviation of mass and
-    inertia from the scenario's (2) [kg, kg m2]; ``command``: difference of an acting velocity from
-    the one sent (2); ``dead``: the size below which it may be treated as 0 (2); ``missing``:
-    consecutive samples without a pose; ``reckoned``: additional error of the dead-reckoned pose (3)
-    [m, m, rad].
+    ``push``: torque on each wheel (2) [N m], held over a sample.  ``pose``: error of the measured
+    position [m].  ``velocity``: error of each measured velocity (2).  ``body``: deviation of mass
+    and inertia from the scenario's (2) [kg, kg m2].  ``command``: difference of an acting velocity
+    from the one sent (2).  ``dead``: size below which the firmware may treat it as 0 (2).
+    ``missing``: consecutive samples without a pose.  ``reckoned``: additional error of the
+    dead-reckoned pose (3) [m, m, rad].
     """
 
     push: Floats
@@ -201,7 +203,9 @@ def at_first(setup: Setup, *, run: bool) -> str:
 
 
 def _check_base(scenario: Scenario) -> None:
-    """NoCorridorError for a base or a filter that treats commands differently from the model."""
+    """Raise NoCorridorError for a base or filter that treats commands differently from the
+    model.
+    """
     stated = scenario.filter
     if stated.kind == "band":
         raise NoCorridorError(
@@ -226,7 +230,7 @@ def _check_base(scenario: Scenario) -> None:
 
 
 def check_size(loop: SampledLoop) -> None:
-    """NoCorridorError for a loop whose size exceeds that assumed for the sums' rounding."""
+    """Raise NoCorridorError for a loop larger than the sums' rounding bounds assume."""
     count = len(loop.names) + COMMAND * loop.queue + loop.memory + loop.acting
     if count > MOST_NUMBERS:
         raise NoCorridorError(
@@ -236,8 +240,7 @@ def check_size(loop: SampledLoop) -> None:
 
 
 def _in_the_step(effect: Effect, scenario: Scenario) -> bool:
-    """True for an effect in the plant step's graph: a force that depends on heading and velocity
-    alone.
+    """True for an effect in the plant step's graph: a force due to heading and velocity alone.
 
     That graph is evaluated at one place and time, with random numbers 0.
     """

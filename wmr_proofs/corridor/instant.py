@@ -20,10 +20,10 @@ AGAIN, FASTEST = 1.005, 1.2
 class RunBounds:
     """Certified bounds along a motion, by samples.
 
-    ``position``, ``linear`` [m] and ``heading`` [rad] (n): largest deviations in each sample, the
-    second without remainders; ``share`` (n): of the most used condition, ``binding`` (n) its index.
-    ``box``: the fast state's rows (n, rows), the state at samples (n + 1, any), command and
-    conditions (n, any).  ``checked``: apart from their computation.
+    ``position``, ``linear`` [m] and ``heading`` [rad] (n): largest deviations in each sample,
+    ``linear`` without remainders.  ``share`` (n): use of the most used condition; ``binding`` (n):
+    its index.  ``box``: the fast state's rows (n, rows), the state at samples (n + 1, any), command
+    and conditions (n, any).  ``checked``: the independent checker accepted them.
     """
 
     position: Floats
@@ -37,9 +37,9 @@ class RunBounds:
 
 @dataclass(frozen=True)
 class Instant:
-    """The samples of a block: the first, and the end of those that their matrices are valid for.
+    """A block of samples from ``k`` on, whose matrices are valid until ``end``.
 
-    ``held``: each of them represents all samples until that end.
+    ``held``: each sample represents all samples until ``end``.
     """
 
     k: int
@@ -74,7 +74,7 @@ class Guess:
     left: Floats
 
     def holds(self, other: Guess) -> bool:
-        """True if no size of the other is larger, and all are finite."""
+        """True if no size of the other guess is larger, and all are finite."""
         pairs = zip(self.parts, other.parts, strict=True)
         return all(bool(((its <= mine) & np.isfinite(mine)).all()) for mine, its in pairs)
 
@@ -89,7 +89,7 @@ class Guess:
         return np.hstack([self.force, self.box])
 
     def going_on(self, before: Guess, count: int) -> Guess:
-        """Extrapolate from the block before to a block of ``count`` samples."""
+        """Extrapolate from the previous block to a block of ``count`` samples."""
         parts = []
         for old, part in zip(before.parts, self.parts, strict=True):
             if len(old) == len(part) == count:
@@ -104,7 +104,7 @@ class Guess:
         return Guess(*(part * by + UNSURE * (part > 0) for part in self.parts))
 
     def and_more(self, other: Guess) -> Guess:
-        """The larger of both sizes."""
+        """Element-wise maximum with another guess."""
         return Guess(*map(np.maximum, self.parts, other.parts))
 
 

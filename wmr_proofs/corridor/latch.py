@@ -1,9 +1,10 @@
 """The latch: decides when the corridor is valid for a run, and whether the run leaves it.
 
-Let Y be a box that is not left after K samples in it, and b a box of states at samples from which
-no sample leaves Y: a run within b at K consecutive samples stays in Y from then on, and after K
-more samples within the box that follows (ledger: corridor.latch).  So a run that leaves proves that
-something differs from the scenario: a push, a mass, a measurement, the plane model.
+Let Y be a box with this property: after K samples in it, the loop never leaves it.  Let b be a box
+of states at samples from which no sample leaves Y. A run within b at K consecutive samples stays in
+Y from then on, and after K more samples within the next, smaller box (ledger: corridor.latch).  So
+a run that leaves proves that something differs from the scenario: a push, a mass, a measurement,
+the plane model.
 """
 
 from functools import lru_cache
@@ -121,7 +122,7 @@ def monitor_of(scenario: Scenario, law: str) -> System:
 
 
 def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
-    """The first time at which a run on ``scenario`` leaves the corridor that it had settled in."""
+    """First time at which a run on ``scenario`` leaves the corridor in which it had settled."""
     try:
         setup = settle(override(scenario, {"guard.enabled": run.guard, **ALONE}), run.law)
         latch = _latch(setup)

@@ -1,14 +1,13 @@
-"""Conditions under which a guard that counts late commands changes no force.
+"""Conditions under which a guard that takes late commands into account changes no force.
 
 With the slope S of the guard's ceiling, commands F_j that may still act for tau_j, all within a
 size N >= net, and P = sum tau_j F_j, the ceiling is at least F where
 
     |F + S y + alpha P| <= S (u1 - nbar) - net - alpha N sum tau_j,
 
-and so without S y for a robot at rest, and without F for its safe point. With jitter J the last
-command counts for J more, or F for 1 + alpha J times as much; for pieces in which either of two
-commands may act, both are considered (ledger: corridor.guard-late,
-corridor.guard-late, corridor.guard-sums).
+and so without S y for a robot at rest, and without F for its safe point.  With jitter J the last
+command acts for J more, or F has 1 + alpha J times the weight; for pieces in which either of two
+commands may act, both are considered (ledger: corridor.guard-late, corridor.guard-sums).
 """
 
 from collections.abc import Iterator, Sequence
@@ -32,20 +31,20 @@ ROOM = 1.6
 
 
 def counts_late(setup: Setup) -> bool:
-    """True if a guard counts commands in transit."""
+    """True if a guard takes commands in transit into account."""
     scenario = setup.scenario
     late = setup.guard.lateness(scenario.clock)
     return scenario.guard.enabled and any(not item.at_once for item in late)
 
 
 def is_plain(setup: Setup) -> bool:
-    """True if it counts only commands in transit: no lag, no late velocity."""
+    """True if the guard takes only commands in transit into account: no lag, no late velocity."""
     late = setup.guard.lateness(setup.scenario.clock)
     return all(not (x.lag or x.oldest or x.varying or x.tail) for x in late)
 
 
 def commands_counted(setup: Setup) -> int:
-    """Number of commands in transit that a plain guard counts; 0 without one."""
+    """Number of commands in transit that a plain guard takes into account; 0 without one."""
     if not counts_late(setup):
         return 0
     return max(item.commands for item in setup.guard.lateness(setup.scenario.clock))
@@ -103,7 +102,7 @@ def _lines(late: Counting, alpha: float) -> list[tuple[float, list[tuple[tuple[i
 
 
 def numeric_bounds(scenario: Scenario, guard: GuardNumbers, axis: int) -> Bounds:
-    """Numbers of one axis of the guard, as values."""
+    """Bounds of one axis of the guard, as numbers."""
     period, late = scenario.clock.control, guard.lateness(scenario.clock)[axis]
     (low, high), alpha = mass_range(guard, axis), float(guard.alpha or 0.0)
     pairs = (guard.dbar, guard.nbar, guard.brake, guard.f_min, guard.f_speed)

@@ -1,5 +1,4 @@
-"""The sampled loop around its reference as two graphs: the law per sample, the robot per plant
-step.
+"""The sampled loop around its reference as two graphs: the law per sample, the robot per step.
 
 Both are the graphs that loops are compiled from (`wmr_ctrl.theory.checks.error_coordinates`, a
 law's ``inside``), in error coordinates, each with its slopes and second derivatives in balls.  In
@@ -8,7 +7,8 @@ them
     command, memory  = law(e, v, memory, commands sent)        at a sample
     e, v, drives     = step(e, v, drives, command, push)       at every plant step
 
-and both are their values on the reference, a linear part, and a remainder of second order.
+and both are the sum of their values on the reference, a linear part, and a remainder of second
+order.
 """
 
 from collections.abc import Mapping
@@ -80,8 +80,9 @@ class Curve:
     def remainders(self, products: Floats) -> Floats:
         """Linearisation remainders of each output, by pairs of inputs (outputs, n, n).
 
-        ``products`` (n, n): the largest products of two inputs' deviations from the point, squares
-        of the box's sizes on the diagonal.  OpenBoxError where the box crosses a condition.
+        ``products`` (n, n): the largest products of two inputs' deviations from the point, with
+        squares of the box's sizes on the diagonal.  Raises OpenBoxError if the box crosses a
+        condition.
         """
         peaks = np.sqrt(np.diag(products)) * UP
         box = [arb(x, r) for x, r in zip(self.at.tolist(), peaks.tolist(), strict=True)]
@@ -95,11 +96,11 @@ class SampledLoop:
     """A law's loop on the reference.
 
     ``law``: function of (e, v, memory, sent, acting): command, next memory, acting command, and
-    conditions' values; ``step``: function of fast state, command, push and BODY: the fast state a
-    plant step later.  ``conditions`` in the order of those values; ``late``: plant steps until a
-    command acts. If poses are corrected in part, the last ``filter`` numbers of the memory are the
-    estimated pose's error and the velocity that it was reckoned with.  ``observed``: indices in the
-    memory at which an observer's force and its remembered velocity begin, None without one.
+    conditions' values.  ``step``: function of fast state, command, push and BODY: the fast state a
+    plant step later.  ``conditions`` in the order of those values.  ``late``: plant steps until a
+    command acts.  If poses are corrected in part, the last ``filter`` numbers of the memory are the
+    estimated pose's error and the velocity used for its dead reckoning.  ``observed``: indices in
+    the memory at which an observer's force and its remembered velocity begin, None without one.
     """
 
     overlap: Overlap = ALONE
@@ -115,7 +116,7 @@ class SampledLoop:
     ) -> None:
         """Compose the graphs; ``asked``: conditions on the law's force and measured velocity.
 
-        ``force_sizes``: force sizes for which a guard that counts late commands is checked.
+        ``force_sizes``: force sizes for which a guard with late commands is checked.
         """
         self.overlap, self.force_sizes = overlap, force_sizes
         robot = setup.scenario.robot
@@ -151,7 +152,9 @@ class SampledLoop:
 
     @cached_property
     def reckoning(self) -> Curve:
-        """Error (3) of dead reckoning over a sample, by e and v (5) at its beginning."""
+        """Error (3) of dead reckoning over a sample, as a function of e and v (5) at its
+        beginning.
+        """
         at = self.step.at[:ROBOT]
         by, v_d = ca.SX.sym("s", ROBOT), ca.SX(ca.DM(at[3:]))
         period, none = ca.SX(self.setup.scenario.clock.control), ca.SX(0)
@@ -240,8 +243,8 @@ class SampledLoop:
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
         """The law's inputs as one column, its outputs, and the sizes of the conditions' values.
 
-        The reference's velocity is ``v_d``, its rate ``rate``, and its previous velocity ``came``
-        (2 each).
+        The reference's velocity is ``v_d``, its rate ``rate``, and its velocity in the previous
+        sample ``came`` (2 each).
         """
         setup, scenario, core = self.setup, self.setup.scenario, loop.core
         period = scenario.clock.control
@@ -319,7 +322,7 @@ def estimated(past: ca.SX, e: ca.SX, v_d: ca.SX, T: ca.SX, share: ca.SX) -> ca.S
 
 
 def _placed(desired: ca.SX, e: ca.SX) -> ca.SX:
-    """The pose (3,) with the tracking error e, Eq. (8), from the desired one."""
+    """The pose (3,) with the tracking error e, Eq. (8), relative to the desired one."""
     return desired - error_rotation(desired[2] - e[2]).T @ e
 
 

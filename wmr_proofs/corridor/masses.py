@@ -129,7 +129,7 @@ def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
     """Sequences of cells for a whole run: at a change of mass or inertia, any cell may follow any
     other.
 
-    NoCorridorError for too many sequences.
+    Raises NoCorridorError for too many sequences.
     """
     count, changes = setup.scenario.corridor.cells, setup.scenario.changes
     if not count or not setup.scenario.guard.enabled or not changes:
@@ -148,7 +148,7 @@ def mass_courses(setup: Setup) -> list[tuple[Setup, Floats]]:
 
 
 def changes_body(change: Change) -> bool:
-    """True if a change affects mass or inertia; with cells it counts as one of both."""
+    """True if a change affects mass or inertia; with cells it is treated as a change of both."""
     return change.m is not None or change.I is not None
 
 
@@ -197,9 +197,10 @@ def _certified_tube(certifier: Certifier, inputs: Inputs, closing: bool) -> Tube
 
 
 def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]:
-    """Largest tried shares of inputs and of the start with which there is a corridor.
+    """Largest tried shares of inputs and of the start for which there is a corridor.
 
-    A share of the start with all inputs; if there is none, a share of the inputs from the path.
+    First a share of the start is tried with all inputs; if there is none, a share of the inputs
+    from the path.
     """
     if not certifier.gains.starts:
         return _largest(lambda share: certifier.tube(inputs.scaled(share))), 1.0

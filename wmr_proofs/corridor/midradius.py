@@ -104,7 +104,7 @@ def widened(a: MidRadius, more: Floats | float) -> MidRadius:
 
 
 def hull(points: Floats, axis: int) -> MidRadius:
-    """The spans that contain all points along an axis."""
+    """Spans that contain all points along an axis."""
     low, high = points.min(axis=axis), points.max(axis=axis)
     size = np.maximum(np.abs(low), np.abs(high))
     wide = (high - low) / 2 * (1 + 2**-40) + ROUNDED * size

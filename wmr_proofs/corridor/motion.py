@@ -1,7 +1,7 @@
 """The sampled loop along any motion of its reference: nominal trajectory and gradients.
 
-The motion is given by the reference's numbers at the samples.  Between two of them a robot that
-keeps its place moves at one velocity ``way``, which ends at the later pose up to ``gap``.
+The reference's numbers at the samples define the motion.  Between two samples a robot without
+deviation moves at one velocity ``way``, which ends at the later pose up to ``gap``.
 """
 
 from collections.abc import Callable
@@ -36,11 +36,11 @@ STEEP, PARTS = 1.5, 8
 class RunMotion:
     """A reference over ``n`` samples.
 
-    ``v_d`` and ``rate`` (n, 2) at the samples, ``way`` (n + 1, 2) from each sample to the next and
-    before the first one; ``gap`` [m] (n): distance from the end of ``way`` to the next desired
-    position; ``reckoned`` [m] (n): that of dead reckoning by ``way`` in one step per sample;
-    ``aside`` [m] (n): the largest of these distances at plant steps within a sample. ``robot`` (n,
-    steps, 3): mass, inertia and friction at each plant step.
+    ``v_d`` and ``rate`` (n, 2) at the samples.  ``way`` (n + 1, 2): velocity from each sample to
+    the next, and before the first one.  ``gap`` [m] (n): distance from the end of ``way`` to the
+    next desired position.  ``reckoned`` [m] (n): the same for dead reckoning by ``way`` in one step
+    per sample.  ``aside`` [m] (n): the largest of these distances at plant steps within a sample.
+    ``robot`` (n, steps, 3): mass, inertia and friction at each plant step.
     """
 
     v_d: Floats
@@ -120,7 +120,9 @@ def _robots(scenario: Scenario, n: int, steps: int) -> Floats:
 
 
 class MovingCurve:
-    """A graph of variables and of numbers that the motion changes: values, gradients, bends."""
+    """A graph of variables and of numbers that the motion changes: values, gradients, second
+    derivatives.
+    """
 
     def __init__(
         self, name: str, by: ca.SX, numbers: ca.SX, output: ca.SX, steep: tuple[slice, float]
@@ -138,11 +140,11 @@ class MovingCurve:
         self._rows = np.eye(self.shape[0])[self.bends[:, 0]]
 
     def value(self, by: MidRadius, numbers: MidRadius) -> MidRadius:
-        """Values at points (..., n) under numbers (..., n)."""
+        """Values at points (..., n) for the motion's ``numbers`` (..., n)."""
         return self._value(_columns(by), _columns(numbers))
 
     def slopes(self, by: MidRadius, numbers: MidRadius) -> MidRadius:
-        """Matrices (..., outputs, inputs) there."""
+        """Matrices (..., outputs, inputs) at points, for the motion's numbers."""
         result = self._slope(_columns(by), _columns(numbers))
         lead, (rows, columns) = result.middle.shape[:-1], self._slope.pattern
         middle, radius = np.zeros((2, *lead, *self.shape))
@@ -160,9 +162,9 @@ class MovingCurve:
     ) -> Floats:
         """A ``bend`` that is valid for deviations up to ``wide`` from any point in ``by``.
 
-        A remainder is the integral of 1 - s times the second derivatives at s times the deviation:
-        with m equal parts of s, those on k/m of the box have the weight ((m + 1 - k)^2 - (m - k)^2)
-        / m^2.
+        A remainder is the integral of 1 - s times the second derivatives at s times the deviation.
+        If s is split into m equal parts, the second derivatives on k/m of the box have the weight
+        ((m + 1 - k)^2 - (m - k)^2) / m^2.
         """
 
         def on(share: float) -> Floats:

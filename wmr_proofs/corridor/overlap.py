@@ -21,8 +21,9 @@ ROOM = 1.5
 class Overlap:
     """Overlap error in each plant step after a command's arrival.
 
-    ``share`` (n): share of the earlier command in the modelled one; ``off`` (n, 2): largest error
-    of that, as a share of the change; ``most`` (2): the largest change for which this is valid.
+    ``share`` (n): share of the earlier command in the modelled one.  ``off`` (n, 2): largest error
+    of that model, as a share of the change.  ``most`` (2): the largest change for which this is
+    valid.
     """
 
     share: Floats
@@ -51,10 +52,11 @@ def ramps(scenario: Scenario) -> bool:
 
 
 def ramp_overlap(scenario: Scenario, changes: Floats) -> Overlap:
-    """Remainder that a ramp leaves of changes up to slightly more than ``changes`` (2).
+    """Overlap by a ramp, for changes up to slightly more than ``changes`` (2).
 
-    In a plant step h it covers at least a h, except in one in which it stops at 0: of a change D at
-    most D - p a h remains in the p-th, which is D (1 - p/L) or less for D <= L a h.
+    In a plant step h a ramp covers at least a h, except in a step in which it stops at 0.  So at
+    most D - p a h of a change D remains in the p-th step, which is D (1 - p/L) or less for D <= L a
+    h.
     """
     base, clock = scenario.base, scenario.clock
     reach = clock.plant * np.minimum(base.accel, base.decel) * (1 - 1e-12)

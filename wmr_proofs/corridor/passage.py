@@ -41,7 +41,8 @@ class Passing(Following):
         self._reach = np.zeros(len(self.rows)), self.row_sizes @ self.pending
 
     def run(self, until: int | None = None) -> RunBounds:
-        """Propagate over all samples, or ``until`` one of them; bounds of all done so far.
+        """Propagate over all samples, or ``until`` one of them; return the bounds of all samples so
+        far.
 
         Raises NoCorridorError at the first sample with a broken condition; ``tried`` is the next.
         """
@@ -209,10 +210,10 @@ class Passing(Following):
         return result
 
     def _apart(self, standing: CarriedColumns) -> tuple[Floats, bool]:
-        """Sizes (n) of the generators' differences from shares of standing ones, and if they are
-        bounded.
+        """Sizes (n) of the generators' differences from standing ones, and whether those cover the
+        rest.
 
-        A difference in a component that persists must fit beside its newest box.
+        A difference in a component that persists must fit into its newest box.
         """
         own = self.carried
         if not np.array_equal(own.born, standing.born):

@@ -35,7 +35,7 @@ class Peaks:
         return Peaks(*(part * factor + more for part in self.parts))
 
     def limit(self, first: Peaks, second: Peaks) -> Peaks:
-        """Slightly beyond the limit of these three, if they grow geometrically."""
+        """Point slightly beyond the limit of these three peaks, if they grow geometrically."""
         before, now = second.every - first.every, self.every - second.every
         share = float((now / np.where(before > 0, before, np.inf)).max())
         more = 1.01 * share / (1 - share) if share < 1 else 0.0

@@ -4,10 +4,10 @@ Let e be the tracking error and e + y that of the pose that the law receives.  A
 pose changes both by one map f of error and measured velocity, except for the error r of f on the
 robot's true motion:
 
-    y' = f(e + y, v) - e' = Phi y - r + what is of second order,    Phi = df/de on the reference.
+    y' = f(e + y, v) - e' = Phi y - r + terms of second order,    Phi = df/de on the reference.
 
 So y is the error of the last pose, which keeps its size (ledger: corridor.reckoning), plus a sum of
-products Phi^i r, whose peak gain is a row of the loop: r is mostly the change of velocity within a
+products Phi^i r, whose peak gain is a row of the loop. r is mostly the change of velocity within a
 sample, and contributions of successive samples cancel.
 """
 
@@ -45,12 +45,12 @@ class Reckoning:
 
     @property
     def row_samples(self) -> int:
-        """Samples whose sums are rows of the loop."""
+        """Number of samples whose sums are separate rows of the loop."""
         return min(self.count, MOST_ROW_SAMPLES)
 
     @cached_property
     def turning(self) -> Floats:
-        """Phi (3, 3): propagation of a pose error by reckoning over a sample."""
+        """Phi (3, 3): propagation of a pose error by dead reckoning over a sample."""
         with ctx.workprec(BITS):
             slopes = self.loop.reckoning.slopes()
             return doubles(np.array([row[:3] for row in slopes], dtype=object))
@@ -65,17 +65,19 @@ class Reckoning:
 
     @cached_property
     def _rest(self) -> Floats:
-        """Remainder of f on the reference (3), also for different frames."""
+        """Remainder of f on the reference (3), for all orientations of the frame."""
         curve, period = self.loop.reckoning, self.loop.setup.scenario.clock.control
         rest = np.array([upper(item) for item in curve.value()])
         rest[:2] += 3 * reference_gap(curve.at[3:], period)
         return rest
 
     def added(self, inputs: Inputs, measured: Floats, fast: Floats) -> Inputs:
-        """The inputs with the errors of a pose after up to ``inputs.missing`` samples without one.
+        """The inputs, enlarged by the errors of a pose after up to ``inputs.missing`` samples
+        without one.
 
-        ``measured``: sizes of e and v as measured (5); the last of ``fast`` are those of the linear
-        part, (row_samples, 3).  NoCorridorError if an error amplifies itself without end.
+        ``measured``: sizes of e and v as measured (5); the last rows of ``fast`` are those of the
+        linear part, (row_samples, 3).  Raises NoCorridorError if an error amplifies itself without
+        bound.
         """
         rows = fast[-3 * self.row_samples :].reshape(-1, 3)
         linear, pose = self._summed(rows, inputs.missing), np.array([inputs.pose, inputs.pose, 0.0])

@@ -57,7 +57,7 @@ class Remainders:
         return np.asarray((curve.remainders(bend, pairs) + off) * UP)
 
     def roomy(self, sizes: Floats) -> Floats:
-        """A secant box for deviations of these sizes."""
+        """A secant box with room for deviations of these sizes."""
         wide = sizes * SLOW_ROOM
         wide[:, :ROBOT] += SLOW_SHARE * self.along.typical @ self.inputs.push
         return wide
@@ -76,7 +76,9 @@ class Remainders:
         return False
 
     def _bent(self, now: Instant) -> bool:
-        """True if deviations left the boxes of the bends, which are then recomputed."""
+        """True if deviations left the boxes of the second derivatives, which are then
+        recomputed.
+        """
         bends = zip(self.bends, self.latest, strict=True)
         left = [p for p, (bend, x) in enumerate(bends) if bend and (x > bend[0]).any()]
         for place in left if now.here.secants is None else ():
@@ -102,7 +104,9 @@ class Remainders:
         return self._left(1, sizes, self._products(guess, np.zeros(ROBOT)), now)
 
     def _bend(self, place: int, now: Instant) -> tuple[Floats, Floats]:
-        """A box with a margin around the latest deviations, and the stored bends on it."""
+        """A box with a margin around the latest deviations, and the stored second derivatives on
+        it.
+        """
         sizes = self.latest[place].max(axis=0)
         little = (sizes[:ROBOT] < LITTLE * self.along.typical @ self.inputs.push).all()
         room = FIRST_ROOM if little else MORE_ROOM if self.bends[place] else ROOM

@@ -1,4 +1,6 @@
-"""Responses of the sampled loop to a unit of each input, and gains of rows of outputs from them."""
+"""Responses of the sampled loop to a unit of each input, and the resulting gains of rows of
+outputs.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
@@ -19,13 +21,13 @@ class Gains:
 
     ``by``: columns push (2), errors of the law's outputs, errors of the acting command in each
     plant step of the overlap (2 each), a disc of measured (e1, e2), errors of measured e1, e2, e3,
-    v1 and omega. ``steps``: by increments in every plant step.  ``start``: largest values at any
-    time after an initial deviation by shares of the requested columns; ``misled``: after an initial
-    estimate whose position is off by 1 m in any direction, alone; ``before`` (2 columns): after an
-    observer's remembered velocity is off by 1, alone.  ``first``: the same within one sample, by
-    the state at its beginning and then as ``by`` and ``steps``.  ``left``: remainder after
-    ``samples``, by the state's largest deviation in units of ``scale``.  ``constant``: largest
-    values under equal increments of every plant step, alone.
+    v1 and omega.  ``steps``: for increments in every plant step.  ``start``: largest values at any
+    time after an initial deviation by shares of the requested columns.  ``misled``: after an
+    initial estimate whose position alone is off by 1 m in any direction.  ``before`` (2 columns):
+    after a start at which only an observer's remembered velocity is off by 1.  ``first``: gains
+    within one sample, from the state at its beginning and then as ``by`` and ``steps``.  ``left``:
+    remainder after ``samples``, per unit of the state's largest deviation in units of ``scale``.
+    ``constant``: largest values under equal increments of every plant step, alone.
     """
 
     by: Floats
@@ -43,7 +45,7 @@ class Responses:
     """The loop's response to a unit of each input, (samples, n, courses), and sums over it.
 
     ``which`` (inputs): index of each input's course, as many inputs share one.  ``powers``: sizes
-    of the terms of the powers; ``norms`` (samples, inputs): weighted norms of the course,
+    of the terms of the powers.  ``norms`` (samples, inputs): weighted norms of the course;
     ``steady_norm``: the sum of those of ``steady``.
     """
 
@@ -69,8 +71,8 @@ class Responses:
         return np.ascontiguousarray(self.course.transpose(1, 2, 0)).reshape(self.n, -1)
 
     def gains(self, rows: OutputRows, added: Floats | None = None) -> Gains:
-        """Gains of some rows: sums of sizes with the shares of rounding and tail, and the direct
-        part.
+        """Gains of some rows: sums of absolute values, the shares of rounding and tail, and the
+        direct part.
 
         ``added``: contribution of the present sample so far, of its constant increment, to the
         state that ``rows`` select from; None: nothing.
@@ -120,8 +122,8 @@ class Responses:
         constant: Floats,
         more: Floats | float = 0.0,
     ) -> Gains:
-        """Gains of responses, including ``direct`` ones and those to plant steps of the ``own``
-        sample.
+        """Gains of responses, including ``direct`` ones and responses to the ``own`` sample's plant
+        steps.
 
         ``which`` of the ``ways`` (rows, any, samples) belongs to each column; ``size`` (rows, n):
         sizes of the rows that the responses are sums of; ``more``: further rounding.
@@ -190,12 +192,12 @@ def _direct(rows: OutputRows) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def _with_disc(columns: Floats, disc: Floats) -> Floats:
-    """Columns with that of the disc inserted before measured e1."""
+    """Columns with the disc's column inserted before that of measured e1."""
     return np.insert(columns, columns.shape[1] - ROBOT, disc, axis=1)
 
 
 def stacked(each: Sequence[Gains]) -> Gains:
-    """The rows of all, one after the other."""
+    """The rows of all, one below the other."""
     held, direct, own = map(np.concatenate, zip(*(item.first for item in each), strict=True))
     names = [item.name for item in fields(Gains) if item.name != "first"]
     rows = {name: np.concatenate([getattr(item, name) for item in each]) for name in names}

@@ -120,7 +120,7 @@ class SampleMatrices:
     def reckoned_rows(self, loop: SampledLoop) -> OutputRows:
         """Rows of e at a sample's end less its value by dead reckoning from the beginning.
 
-        Direct ones have their signs.
+        Rows of direct effects keep their signs.
         """
         nz = len(loop.names)
         rows, reckoned = self._rows(loop.steps, np.eye(3, nz), self._end), balls(nz, self.n)

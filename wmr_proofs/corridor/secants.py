@@ -1,9 +1,9 @@
 """Secants: linear maps that enclose a graph over boxes, with remainders, at many places.
 
-Where friction changes its sign, gradients at a point say little about a box. There an affine form
-of the graph over the box (`wmr_proofs.corridor.affine`) is used instead: f(x) = c + S (x - x_c) +
-off, with |off| <= r on the box. With ``off`` known at the undisturbed point x_0, f(x_0 + d) is
-f(x_0) + S d plus at most r and the size of that.
+Near a change of friction's sign, gradients at a point say little about a box.  An affine form of
+the graph over the box (`wmr_proofs.corridor.affine`) is used instead: f(x) = c + S (x - x_c) + off,
+with |off| <= r on the box.  With ``off`` known at the undisturbed point x_0, f(x_0 + d) differs
+from f(x_0) + S d by at most r plus the size of that ``off``.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,8 @@ class SecantCurve:
     def over(
         self, by: MidRadius, numbers: MidRadius, wide: Floats, points: Floats, values: Floats
     ) -> Secants:
-        """Secants over boxes ``wide`` (C, n) about spans ``by`` (C, n), under ``numbers`` (C, m).
+        """Secants over boxes ``wide`` (C, n) about spans ``by`` (C, n), for the motion's
+        ``numbers`` (C, m).
 
         ``points`` (C, P, n): the nominal trajectory; ``values`` (C, P, outputs): the graph there.
         """

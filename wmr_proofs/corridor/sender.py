@@ -1,8 +1,8 @@
 """Loop of a base that takes velocities: its command and its plant step, away from all limits.
 
 The command is the graph of the controller without its filter (ledger: corridor.filter).  The base
-is its plant step without the effects that `idle_base` leaves out; each of these is a condition on
-the command or a bounded error of it.
+is its plant step without the effects that `idle_base` omits; each of these is a condition on the
+command or a bounded error of it.
 """
 
 from collections.abc import Iterator
@@ -28,7 +28,9 @@ from .condition import Asked, Condition
 
 
 def sending(setup: Setup, law: Inside, asked: Asked) -> tuple[System, list[Condition]]:
-    """The command sent by a law away from its limits, and the conditions for no limit to cut it."""
+    """The command that a law sends away from its limits, and the conditions under which no limit
+    changes it.
+    """
     core = law.system
     plain = settle(idle_base(setup.scenario), setup.name)
     sender = SentVelocity(plain, core, Parameters(plain, core.params), core.outputs[0].expr)

@@ -39,9 +39,9 @@ def refused_unchecked() -> Iterator[None]:
 
 
 def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
-    """The tube, as wide as the checker shows at least; NoCorridorError if it does not.
+    """The tube, with the width that the checker shows; NoCorridorError if the checker refuses it.
 
-    Without pushes and errors it is as computed: what is left of it is rounding.
+    Without pushes and errors the computed tube is returned, since only rounding is left of it.
     """
     if not inputs.any:
         return tube
@@ -56,9 +56,10 @@ def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
 
 
 def checked_run(passing: Passing, bounds: RunBounds) -> RunBounds:
-    """Bounds of a whole run, as wide as the checker shows at least; NoCorridorError if it does not.
+    """Bounds of a whole run, with the width that the checker shows; NoCorridorError if it refuses.
 
-    A run that stops or turns round, has a dead band, or no pushes and errors, is as computed.
+    A run that stops or turns round, has a dead band, or no pushes and errors, is returned as
+    computed.
     """
     inputs = passing.inputs
     if passing.secants or inputs.dead.any() or not inputs.any:
@@ -108,7 +109,7 @@ def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
 
 
 def of_run(passing: Passing, bounds: RunBounds) -> Certificate:
-    """The Certificate of a whole run that was passed."""
+    """The Certificate of a whole run with a flowpipe."""
     along, loop, motion = passing.along, passing.loop, passing.along.motion
     n, nz, outs = len(passing.pending), passing.nz, COMMAND + loop.memory + loop.acting
     fast, state, out = (

@@ -13,7 +13,8 @@ from .secants import Secants
 
 @dataclass(frozen=True)
 class Within:
-    """A time within samples: rows of the fast state by the state, a push, an added command.
+    """Rows at a time within samples: the fast state as a function of the state, a push, an added
+    command.
 
     ``apart`` (3): largest distances of such rows from the chord to the next such time.
     """
@@ -28,11 +29,11 @@ class Within:
 class Stretch:
     """Samples of a motion, along the first axis of all arrays.
 
-    ``A`` (n, n): the state a sample later; ``push`` (n, 2), ``law`` (n, outputs): by disturbances,
-    and by additions to the law's outputs; ``outputs`` (outputs, n): the law's linear part, and
-    ``seen`` (outputs, 5) that by measurements.  ``steps`` (fast, fast): sizes by which increments
-    of plant steps add up; ``body`` (fast, 2): effect of mass and inertia on a plant step.
-    ``secants``: of law and plant step, if these are not gradients at points.
+    ``A`` (n, n): the state a sample later.  ``push`` (n, 2), ``law`` (n, outputs): effects of
+    disturbances and of additions to the law's outputs on it.  ``outputs`` (outputs, n): the law's
+    linear part; ``seen`` (outputs, 5): the same for measurements.  ``steps`` (fast, fast): sizes by
+    which increments of plant steps add up.  ``body`` (fast, 2): effect of mass and inertia on a
+    plant step.  ``secants``: those of law and plant step, if these are not gradients at points.
     """
 
     A: MidRadius
@@ -127,7 +128,7 @@ def _closed(course: MidRadius, outputs: MidRadius, n: int) -> MidRadius:
 def _within(course: MidRadius, n: int, first: int, last: int) -> Within:
     """Rows from the beginning of plant step ``first`` to that of ``last``.
 
-    Inner points are bounded by the chord's ends plus their distance from the chord.
+    The values at the chord's ends and the distance from the chord bound the inner points.
     """
     begin, end, inner = (course[:, place] for place in (first, last, slice(first + 1, last)))
     share = (np.arange(1, last - first) / (last - first))[:, None, None]

@@ -133,11 +133,11 @@ def _followed(passing: Passing, until: int | None = None) -> RunBounds:
 def _closing(refused: Passing, start: Floats) -> float | None:
     """The first of the half, quarter, eighth, ... of the inputs for which there is a corridor.
 
-    If the half has none, the others are bisected, as if smaller inputs always had one.  They are
-    tried around the robot's changes, started there without deviations, which takes little time, and
-    around the place at which all of them were refused, unless that was EARLY.  A share that passes
-    there is followed over the whole run; if that is refused twice at a place, the shares are tried
-    there.
+    If the half has none, the others are bisected, on the assumption that smaller inputs always have
+    one.  They are tried around the robot's changes, starting there without deviations, which takes
+    little time, and around the place at which all of them were refused, unless that was EARLY. A
+    share that passes there is propagated over the whole run.  If that is refused twice at a place,
+    the shares are tried there.
     """
     along, inputs = refused.along, refused.inputs
     early = refused.tried < EARLY * len(along.states)

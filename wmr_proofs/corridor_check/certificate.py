@@ -9,31 +9,33 @@ from .intervals import Floats
 
 @dataclass(frozen=True)
 class Certificate:
-    """A corridor's statement: a box for each sample, around a course of the undisturbed loop.
+    """A corridor's statement: a box for each sample, around the undisturbed loop's trajectory.
 
-    K samples follow each other; where ``lags`` is 0, one stands for all, for ever.  ``law`` and
-    ``step``: graphs of a column of variables and one of numbers; ``sizes``: conditions' limits, by
-    the law's columns.  A state has the fast state, ``queue`` commands sent, ``memory`` and
-    ``acting``.  The law's variables are e and v, memory, queue and acting, its outputs command,
-    memory, acting, and conditions' values.  A plant step's variables are fast state, command, push
-    and body.  A command acts ``late`` plant steps later.  In the next ones a ``share`` of the one
-    before it acts, off by ``off`` (steps, 2) of the difference.
+    The K samples are consecutive.  If ``lags`` is 0, K is 1 and the one sample repeats for ever.
+    ``law`` and ``step``: graphs of a column of variables and a column of numbers.  ``sizes``: the
+    limits of the conditions, as a function of the law's columns.  A state has the fast state,
+    ``queue`` commands sent, ``memory`` and ``acting``.  The law's variables are e and v, memory,
+    queue and acting; its outputs are command, memory, acting, and the conditions' values.  A plant
+    step's variables are fast state, command, push and body.  A command acts ``late`` plant steps
+    after its sample.  In the plant steps after that a ``share`` of the previous command acts, with
+    an error of ``off`` (steps, 2) times the difference of both.
 
-    Course: ``states`` (K + 1, n), ``fine`` (K, steps + 1, fast), ``outs`` (K, outputs without
+    Trajectory: ``states`` (K + 1, n), ``fine`` (K, steps + 1, fast), ``outs`` (K, outputs without
     conditions), ``body`` (K, steps, 2), ``law_numbers`` (K, any), ``step_numbers`` (K, steps, any).
 
-    Inputs: ``push`` (2), ``pose``, ``reckoned`` (3), ``velocity`` (2), ``wide`` (2, body),
-    ``command`` (2): error of an acting command, ``dead`` (2): further error if it may be so small.
-    Of the reference: ``law_gap`` (outputs), ``step_gap`` (fast) of every plant step, ``gap`` (K, n)
-    at a sample's end; ``aside`` (K, 2): how far [m, rad] it is off its place within a sample.
-    ``start`` (n, any): initial deviations; ``disc``: radius of one more, and its place in the
-    state.  ``lower`` (conditions): what measuring takes from the limits.
+    Inputs: ``push`` (2), ``pose``, ``reckoned`` (3), ``velocity`` (2), ``wide`` (2, body).
+    ``command`` (2): error of an acting command; ``dead`` (2): further error of a command that a
+    dead band may remove.  Errors of the reference: ``law_gap`` (outputs), ``step_gap`` (fast) in
+    every plant step, ``gap`` (K, n) at a sample's end; ``aside`` (K, 2): its distance [m, rad] from
+    its place within a sample.  ``start`` (n, any): initial deviations.  ``disc``: radius of a
+    further one, and its place in the state.  ``lower`` (conditions): the margin that measurement
+    errors take from the limits.
 
     Box: ``fast`` (K, rows): elements, directions, sums and differences of ``pairs`` with their
     ``ratios``; ``state`` (K + 1, n) at samples; ``out`` (K, any) of command and conditions.
 
-    ``knots``: plant steps at which rows are summed up; ``lags``: samples for which inputs are told
-    apart.
+    ``knots``: plant steps at which rows are evaluated; ``lags``: number of samples whose inputs are
+    kept separate.
     """
 
     law: ca.Function

@@ -1,9 +1,9 @@
-"""Check a corridor's certificate: no sample leaves its box, if none before has left its own.
+"""Check a corridor's certificate: if no sample before has left its box, the next does not either.
 
-Graphs are linear on a box apart from remainders, which intervals bound.  So a state is a sum of
-answers to the inputs of the last ``lags`` samples and to the state before these, which is in its
-own box.  Answers are products of matrices of doubles.  What rounding leaves of a product is one
-more input, and so is what matrices may be off.
+On a box, graphs are linear except for remainders, which intervals bound.  So a state is a sum of
+two parts: responses to the inputs of the last ``lags`` samples, and the response to the state
+before these, which is in its own box.  Responses are products of matrices of doubles.  The rounding
+of a product is treated as one more input, and so are the errors of the matrices.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ long run's box comes down."""
 def check(c: Certificate) -> tuple[Floats, Floats]:
     """Distance [m] from the place on the path, and turn [rad], in each sample (K).
 
-    RefusedError if it is not shown that no deviation exceeds them.
+    Raises RefusedError if it is not shown that no deviation exceeds them.
     """
     sizes = [c.fast, c.state, c.out, c.push, c.reckoned, c.velocity, c.wide, c.command, c.dead,
              c.gap, c.law_gap, c.step_gap, c.aside, c.lower, np.array([c.pose, c.disc[0]]),
@@ -44,7 +44,7 @@ def check(c: Certificate) -> tuple[Floats, Floats]:
 
 
 def _compare(c: Certificate, box: Certificate) -> None:
-    """RefusedError if something leaves the box of ``c``."""
+    """Raise RefusedError if a value leaves the box of ``c``."""
     for name in ("fast", "state", "out"):
         found, claimed = getattr(box, name), getattr(c, name)
         if not (found <= claimed).all():
@@ -54,9 +54,11 @@ def _compare(c: Certificate, box: Certificate) -> None:
 
 
 def latched(c: Certificate, box: Floats, samples: int, stages: int) -> list[float]:
-    """Distances [m] after so many samples of a standing loop with states in ``box``, twice, ...
+    """Distances [m] of a repeating loop with states in ``box`` after ``samples`` samples, twice as
+    many, ...
 
-    RefusedError if a sample that begins there may leave the certificate's box, or one after them.
+    Raises RefusedError if a sample that begins there, or any later one, may leave the certificate's
+    box.
     """
     c = _without_start(c)
     sample, result = _Sample(c), []
@@ -71,9 +73,10 @@ def latched(c: Certificate, box: Floats, samples: int, stages: int) -> list[floa
 
 
 def in_the_long_run(c: Certificate) -> float:
-    """Distance [m] of a standing loop, of whose box `check` has shown that it is not left.
+    """Distance [m] of a repeating loop in the long run; `check` has shown that it stays in its box.
 
-    What its begin adds decays, so it comes into the box of all else, and so on.
+    The response to its initial state decays, so the loop enters the box of the other inputs.  This
+    step is repeated.
     """
     c = _without_start(c)
     for _ in range(ROUNDS):
@@ -95,15 +98,15 @@ def _distance(c: Certificate, course: _Course) -> Floats:
 class _Course:
     """The undisturbed loop of a certificate, as variables and numbers of its graphs.
 
-    ``seen`` (K, any) of the law, ``moved`` (K, steps, any) of plant steps; ``order``: places in the
-    state of the law's variables; ``ages``: samples since the command that acts in each plant step;
-    ``rows``: elements, directions of the position, sums and differences of pairs of deviations.
-    Samples with one box after the other are of one ``kind`` (K), whose ``first`` (kinds) it is, and
-    have matrices in common, which are as wide as all of them need.
+    ``seen`` (K, any): for the law.  ``moved`` (K, steps, any): for plant steps.  ``order``: places
+    in the state of the law's variables.  ``ages``: samples since the command that acts in each
+    plant step.  ``rows``: elements, directions of the position, sums and differences of pairs of
+    deviations.  Consecutive samples with equal boxes are of one ``kind`` (K); ``first`` (kinds) is
+    the first sample of each.  They share matrices, which are wide enough for all of them.
     """
 
     def __init__(self, c: Certificate) -> None:
-        """RefusedError if a sample begins with something else than the last one ended in."""
+        """Raises RefusedError if a sample does not begin where the previous one ended."""
         (K, steps, self.nz), self.n = c.fine.shape, c.states.shape[1]
         self.steps, self.outs, nz = steps - 1, c.outs.shape[1], self.nz
         queue = nz + COMMAND * c.queue
@@ -132,12 +135,14 @@ class _Course:
         self.rows = np.array([*unit, *ways, *sums])
 
     def ends(self, each: Floats) -> Floats:
-        """Smallest and largest entries (2, kinds, ...) of an array of samples."""
+        """Smallest and largest entries (2, kinds, ...) of a per-sample array, for each kind."""
         return np.array([part.reduceat(each, self.first) for part in (np.minimum, np.maximum)])
 
 
 def _boxes(c: Certificate, course: _Course, error: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Deviations of the law's variables (kinds, any), products of two; plant steps' as well."""
+    """Deviations of the law's variables (kinds, any) and products of two of them; the same for
+    plant steps.
+    """
     fast, state, out = (part[course.first] for part in (c.fast, c.state, c.out))
     K, robot = len(fast), fast[:, :ROBOT]
     products = robot[:, :, None] * robot[:, None]
@@ -162,15 +167,15 @@ def _boxes(c: Certificate, course: _Course, error: Floats) -> tuple[Floats, Floa
 
 
 class _Linear:
-    """Slopes of law and plant step along the course, and bounds of all that is beside them.
+    """Gradients of law and plant step along the trajectory, and bounds of all other contributions.
 
-    ``by_law`` (kinds, outputs, variables), ``by_step`` (kinds, steps, fast, variables); ``law`` and
-    ``step`` (kinds, ...): largest errors; ``given`` (kinds, inputs): sizes of inputs, see
-    `_Sample`; ``constant`` (fast): added in each plant step of a standing loop.
+    ``by_law`` (kinds, outputs, variables), ``by_step`` (kinds, steps, fast, variables): gradients.
+    ``law`` and ``step`` (kinds, ...): largest errors.  ``given`` (kinds, inputs): sizes of inputs,
+    see `_Sample`.  ``constant`` (fast): increment in each plant step of a repeating loop.
     """
 
     def __init__(self, c: Certificate, course: _Course) -> None:
-        """RefusedError if a limit may act on the box."""
+        """Raises RefusedError if a limit may act on the box."""
         law, step, outs = Graph(c.law), Graph(c.step), course.outs
         seen, moved, K = course.seen, course.moved, len(course.first)
         shown = law.values(np.array([seen, seen]))
@@ -212,13 +217,13 @@ def _middle(ends: Floats) -> tuple[Floats, Floats]:
 
 
 class _Sample:
-    """Matrices of K kinds of samples by the state at their begin and by inputs.
+    """Matrices of K kinds of samples by the state at their beginning and by inputs.
 
-    Inputs: command's error, late commands, push, measured errors, a constant. ``next`` (K, n, any):
-    the state a sample later; ``box`` (K, n): what else is added to it.  ``rows`` (K, any, any):
-    fast state's rows, the rest of the state, fast state's rows at other knots, command and
-    conditions; ``apart`` (knots; K, rows): how far off rows are at a knot, and beside two until the
-    next one, -inf if nothing is between; ``direct``: errors of command and conditions.
+    Inputs: the command's error, late commands, push, measurement errors, a constant.  ``next`` (K,
+    n, any): the state a sample later; ``box`` (K, n): other contributions to it.  ``rows`` (K, any,
+    any): the fast state's rows, the rest of the state, the fast state's rows at other knots,
+    command and conditions.  ``apart`` (knots; K, rows): errors of rows at a knot, and between it
+    and the next one, -inf if nothing is between.  ``direct``: errors of command and conditions.
     """
 
     def __init__(self, c: Certificate) -> None:
@@ -270,9 +275,10 @@ class _Sample:
 
 
 class _Answers:
-    """Answers of the state to inputs of some samples: ``columns`` (m, n, samples), ``weights``.
+    """Responses of the state to inputs of some samples: ``columns`` (m, n, samples), ``weights``.
 
-    Of the m, those of inputs are followed by a disc's pair, and by one for each of the state.
+    The m columns of a sample are those of inputs, then a disc's pair, then one for each element of
+    the state.
     """
 
     def __init__(self, c: Certificate, sample: _Sample, count: int) -> None:
@@ -288,7 +294,9 @@ class _Answers:
         self.columns, self.weights = np.zeros((m, self.n, count)), np.zeros((m, count))
 
     def put(self, place: int, k: int, rounded: Floats | float = 0.0) -> None:
-        """Add the answers to a sample of kind ``k`` at a place, and its error ``rounded``."""
+        """Store the responses to a sample of kind ``k`` at a place, with its rounding error
+        ``rounded``.
+        """
         here = self.sample.next[k]
         own = here[:, self.kept], here[:, self.discs], np.eye(self.n)
         self.columns[:, :, place] = np.concatenate(own, axis=1).T
@@ -315,13 +323,13 @@ def _begun(c: Certificate) -> Floats:
 
 
 def _started(seen: Floats) -> Floats:
-    """Largest sums of such columns (..., rows, any)."""
+    """Largest sums of columns as in `_begun` (..., rows, any)."""
     every = np.abs(seen[..., :-2]).sum(axis=-1) + np.hypot(seen[..., -2], seen[..., -1])
     return np.asarray(every * OUT)
 
 
 def _run(c: Certificate, sample: _Sample) -> Floats:
-    """Largest values (K + 1, rows) of the rows of each sample, and of the state after all."""
+    """Largest values (K + 1, rows) of the rows of each sample, and of the state after the last."""
     K, n, begun, reached = len(c.fine), sample.n, _begun(c), list[Floats]()
     count, place, kinds = min(c.lags, K + 1), 0, sample.course.kind
     answers, far = _Answers(c, sample, count), np.zeros((n, count))
@@ -360,9 +368,10 @@ def _begun_within(c: Certificate, sample: _Sample, box: Floats) -> Floats:
 
 
 def _standing(c: Certificate, sample: _Sample, samples: int = LONGEST) -> Floats:
-    """Largest values (2, rows) of the rows of one sample, of which the loop repeats ``samples``.
+    """Largest values (2, rows) of the rows of one sample that the loop repeats up to ``samples``
+    times.
 
-    What is before them is within the box.
+    The state before these samples is within the box.
     """
     n, rows, state = sample.n, sample.rows[0], c.state[0]
     (answers := _Answers(c, sample, 1)).put(0, 0)
@@ -392,7 +401,7 @@ def _standing(c: Certificate, sample: _Sample, samples: int = LONGEST) -> Floats
 
 
 def _gathered(c: Certificate, sample: _Sample, reached: Floats) -> Certificate:
-    """The certificate with the largest values of rows for its box."""
+    """The certificate, with the largest values of rows as its box."""
     count, nz, further = c.fast.shape[1], c.fine.shape[2], len(c.knots) - 1
     ends = np.cumsum([count, sample.n - nz, *[count] * further])
     begin, rest, *knots, out = np.split(reached, ends, axis=1)

@@ -30,14 +30,15 @@ class Graph:
         )
 
     def slopes(self, given: Floats) -> Floats:
-        """Ends (2, ..., outputs, variables)."""
+        """Lower and upper ends (2, ..., outputs, variables) of the gradients."""
         ends = self._slopes(given)
         result = np.zeros((*ends.shape[:-1], *self.shape))
         result[..., self._places[0], self._places[1]] = ends
         return result
 
     def second_order(self, given: Floats, sizes: Floats, products: Floats) -> Floats:
-        """Largest second-order sums (K, outputs) beside points within ends, by Taylor's integral.
+        """Largest second-order terms (K, outputs) for points within the ends ``given``, by Taylor's
+        integral.
 
         Deviations are up to ``sizes`` (K, variables), with ``products`` of two.
         """

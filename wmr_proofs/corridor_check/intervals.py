@@ -1,7 +1,7 @@
 """Graphs over intervals at many places at once, every result rounded outwards.
 
-Sums, products, quotients and roots are those of IEEE doubles, moved by one unit; other functions
-are python-flint's.
+Results of sums, products, quotients and roots are those of IEEE doubles, moved outwards by one
+unit; other functions are python-flint's.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ Flags = NDArray[np.bool_]
 
 
 class RefusedError(ArithmeticError):
-    """The certificate is refused: the reason as a clause."""
+    """The certificate is refused; the message is the reason as a clause."""
 
 
 def most(ends: Floats) -> Floats:
-    """Largest absolute values."""
+    """Largest absolute values of intervals."""
     return np.asarray(np.abs(ends).max(axis=0))
 
 
 def outwards(ends: ArrayLike) -> Floats:
-    """Ends of which each is a double further out."""
+    """Ends of intervals, each moved outwards to the next double."""
     return np.asarray(np.nextafter(np.asarray(ends).T, [-np.inf, np.inf]).T)
 
 
@@ -108,10 +108,10 @@ RULES: dict[int, Callable[..., Floats]] = {
 
 
 class Program:
-    """Non-zero entries of some expressions of one column."""
+    """Evaluator of the non-zero entries of some expressions of one column."""
 
     def __init__(self, by: ca.SX, outputs: list[ca.SX]) -> None:
-        """Read them, one after the other."""
+        """Read the expressions as one graph, entry after entry."""
         every = ca.vertcat(*(ca.vec(item.nz[:]) for item in outputs))
         graph = read(ca.Function("checked", [by], [every]), ["i"], ("y",))
         stores = {item.index: item.node for item in graph.stores}

@@ -21,7 +21,7 @@ from .spec import Ball, Finding
 
 
 class EmptyWayError(Exception):
-    """The conditions assumed on this way contradict each other on the whole box."""
+    """The conditions assumed on this path contradict each other on the whole box."""
 
 
 class IntervalArithmetic(Arithmetic):
@@ -63,7 +63,7 @@ class IntervalArithmetic(Arithmetic):
         return found
 
     def compare(self, op: str, left: Any, right: Any, ask: Ask) -> bool:
-        """Truth of a comparison; if undecided, both ways are taken, each with narrowed values."""
+        """Truth of a comparison; if undecided, both paths are taken, each with narrowed values."""
         if left is None or right is None:
             raise UndecidedError("a comparison of what may be undefined")
         a, b = self._now(left), self._now(right)
@@ -194,7 +194,7 @@ def decide(statement: Statement, method: Ball) -> Finding:
 
 
 def _holds_on(statement: Statement, box: Box, doubles: bool) -> bool:
-    """True if all goals hold on all ways; a hypothesis that cannot hold closes a way."""
+    """True if all goals hold on all paths; a hypothesis that cannot hold closes a path."""
 
     def run(ask: Ask) -> bool:
         try:

@@ -203,7 +203,9 @@ class Algebra:
         return total
 
     def polynomial_sign(self, poly: Any) -> str | None:
-        """Sign ``+ - 0 +0 -0`` (the last two: or zero), None if the coefficients leave it open."""
+        """Sign ``+ - 0 +0 -0`` (the last two: or zero); None if the coefficients do not determine
+        it.
+        """
         if poly == 0:
             return "0"
         positive = negative = strict = False

@@ -26,7 +26,9 @@ LARGEST_FORM = 4
 
 @dataclass(slots=True)
 class Interval:
-    """[lo, hi]; ``key`` names the quantity (negated: the opposite quantity); a form of its size."""
+    """[lo, hi]; ``key`` names the quantity (negated: the opposite quantity); optionally a form of
+    its size.
+    """
 
     lo: float
     hi: float
@@ -168,7 +170,7 @@ def root(a: Interval) -> Interval | None:
 
 
 def smaller(a: Interval, b: Interval) -> Interval:
-    """Minimum; one of the two if it is clear which."""
+    """Minimum; one of the two operands if it is clear which is less."""
     if a.hi <= b.lo:
         return a
     return b if b.hi <= a.lo else Interval(min(a.lo, b.lo), min(a.hi, b.hi))

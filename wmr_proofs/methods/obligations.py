@@ -58,8 +58,8 @@ def obligations(
 ) -> Iterator[Obligation]:
     """Each goal and each domain, to be unsatisfiable; the hypotheses alone, to be satisfiable.
 
-    The latter are posed at ``point``, exact rationals as text, if one is given. Those of parts have
-    the parts' names behind theirs.
+    The hypotheses are posed at ``point``, exact rationals as text, if one is given.  In the names
+    of parts' obligations the part's name comes last.
     """
     for key, part in statement.parts.items():
         for item in obligations(part, own_point(point or {}, part, key)):

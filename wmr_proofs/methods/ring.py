@@ -1,6 +1,6 @@
-"""RING: exact algebra, case by case, on every way through undecided conditions.
+"""RING: exact algebra, case by case, on every path through undecided conditions.
 
-About the logarithm only ln t >= 1 - 1/t (t > 0) is used.
+The only fact used about the logarithm is ln t >= 1 - 1/t (t > 0).
 """
 
 from collections.abc import Iterator
@@ -86,7 +86,7 @@ def _witnesses(statement: Statement, method: Ring) -> Iterator[Point]:
 
 
 def at_least_by_lemma(algebra: Algebra, value: Any, strict: bool) -> bool:
-    """True if value = P + q ln R, with q > 0, is at least (above) 0 by P + q (1 - 1/R)."""
+    """True if ln R >= 1 - 1/R shows that value = P + q ln R, with q > 0, is at least (above) 0."""
     bottom = algebra.sign(algebra.field(value.denom))
     if bottom not in ("+", "-"):
         return False

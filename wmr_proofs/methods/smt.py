@@ -1,8 +1,8 @@
 """Z3: the graph as terms over the reals; roots and sines by their relations, others opaque.
 
 A goal is meaningful only if its operations are defined: a quotient needs a denominator that is not
-0, a logarithm a positive argument, a root one that is not negative, wherever the goal reads them;
-the branch of a choice that is not taken needs nothing.
+0, a logarithm a positive argument, a root an argument that is not negative.  This is required where
+the goal reads them; the branch of a choice that is not taken needs nothing.
 """
 
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
@@ -162,7 +162,7 @@ def _power(a: Any, b: Any) -> Any:
 def decide(statement: Statement, method: Z3) -> Finding:
     """PROVED if no goal can fail or be undefined and the hypotheses can be satisfied.
 
-    REFUTED by an exact point.  Of a statement that has parts each is decided by itself.
+    REFUTED by an exact point.  Each part of a statement with parts is decided separately.
     """
     if statement.parts:
         return _in_parts(statement, method)
@@ -217,7 +217,7 @@ def _all_evidence(found: Sequence[Finding]) -> dict[str, Any]:
 
 
 def _fitting(statement: Statement, points: Sequence[Point]) -> list[Point]:
-    """Points that have all inputs of the graph."""
+    """Points that have values for all inputs of the graph."""
     return [point for point in points if set(statement.graph.input_names) <= set(point)]
 
 
@@ -252,7 +252,7 @@ class Problem:
 
 
 def posed(statement: Statement, but: Container[int] = (), simple: bool = False) -> Problem:
-    """The statement for a solver: it is true if ``base`` with each wrong term is unsatisfiable.
+    """The statement for a solver: it is true if ``base`` with each negated term is unsatisfiable.
 
     ``but``: nodes that may be undefined; ``simple``: z3 simplifies when operations are.
     """

@@ -69,10 +69,10 @@ class Ring(Method):
 class Z3(Method):
     """z3 on the graph: its engines for the reals, one after the other.
 
-    ``effort`` limits their total work on one statement, in millions of units, so whether an answer
-    is found does not depend on the machine's load.  The default is about 30 s of a processor.
-    ``first`` names for each question of the statement the engine that answered it before, if any;
-    it is called first.  Of a statement with parts it may have such names for each of them.
+    ``effort`` limits their total work on one statement, in millions of units, so that a result does
+    not depend on the machine's load.  The default is about 30 s of a processor.  ``first`` names,
+    for each question of the statement, the engine that answered it before, if any; it is called
+    first.  For a statement with parts it may have such names for each of them.
     """
 
     ENGINE: ClassVar[str] = "smt.decide"
@@ -179,7 +179,7 @@ def _version(package: str) -> str:
 
 
 def parts(method: Method) -> tuple[Method, ...]:
-    """The method, or both of two with their parts."""
+    """The method, or the parts of both methods of a `Both`."""
     return (*parts(method.first), *parts(method.second)) if isinstance(method, Both) else (method,)
 
 
