@@ -34,7 +34,7 @@ def of_axis(points: Callable[[int], Sequence[Point]]) -> Callable[[int], Table]:
 def falls_with_target(mutation: Mutation) -> Statement:
     """V1/A falls as v_c0 rises: its derivative times A^2 is V1 - A w <= -w^2/2.
 
-    The farther the robot is from where it should be, the weaker the barrier.
+    The larger the tracking error, the weaker the barrier.
 
     Given: {OFF_EDGES}; v_c0 >= 0, v != v_c1 (A != 0).
     """
@@ -57,10 +57,10 @@ def rises(mutation: Mutation) -> Statement:
 
 @claim("authority.lower-{name}", (9,), by=of_axis(table.low_points), over=AXES)
 def low(mutation: Mutation) -> Statement:
-    """on the {name} axis rho V1/A reaches the tabulated lower bounds of d_max, v_c0 at each of the
-    tabulated values from 0 to 20.
+    """on the {name} axis rho V1/A reaches the tabulated lower bound of d_max for each tabulated
+    v_c0 from 0 to 20.
 
-    A disturbance up to the bound [{unit}] is held back before the limit.
+    The law withstands a disturbance up to the bound [{unit}] before the limit.
     """
     a = BarrierAxis()
     t = a | symbols("rho low", "rho")
@@ -79,7 +79,7 @@ def high(mutation: Mutation) -> Statement:
     exceed the tabulated upper bound: on each [a, b] of a chain of intervals it is at most rho
     V1(b)/A(a).
 
-    A larger constant disturbance pushes the robot over its limit, whatever the law does.
+    A larger constant disturbance pushes the robot over its limit in spite of the law.
 
     Given: {AUTHORITY_PAPER}; below v_c1 + bound/rho by P5; no gap by authority.links.
     """
@@ -93,7 +93,7 @@ def high(mutation: Mutation) -> Statement:
 @claim("authority.links-{name}", (9,), by=of_axis(table.link_points), over=AXES)
 def links(mutation: Mutation) -> Statement:
     """on the {name} axis each row's intervals leave no gap: the first begins at most bound/rho
-    beyond v_c1, each further one where the one before ends, the last ends at the clip.
+    beyond v_c1, each further one at the end of the previous one, and the last ends at the clip.
 
     The table has no gap in v.
     """

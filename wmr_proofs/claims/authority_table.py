@@ -1,6 +1,6 @@
 """The table behind the authority entries: its cells are chosen in doubles and checked exactly.
 
-Each row and each link is checked exactly, and so is that they join and reach both ends.
+Each row and each link is checked exactly.  So are the facts that they join and reach both ends.
 """
 
 from collections.abc import Callable, Iterator

@@ -188,7 +188,7 @@ def curvatures_compared(mutation: Mutation) -> Statement:
 
 @claim("eq81", (81,), by=Ring(all_cases(), log_lemma=True), premises="lemma.log")
 def lower_bound(mutation: Mutation) -> Statement:
-    """V1i >= (v - v_c1)^2/2, in spite of (79), on which the paper's own argument rests.
+    """V1i >= (v - v_c1)^2/2, in spite of (79), which the paper's own argument relies on.
 
     If the barrier function is small, the velocity is near its target.
     """
@@ -256,7 +256,7 @@ def envelope_slope(mutation: Mutation) -> Statement:
 def three_points(mutation: Mutation) -> Statement:
     """A w >= V1i + w^2/2.
 
-    The slope of the barrier function is never small where its value is large.
+    Where the barrier function is large, its slope is large.
 
     Given: {ALL_LIMITS}.
     """

@@ -78,10 +78,9 @@ class FilterAxis(Named):
 
 @claim("filter.drive")
 def driven(mutation: Mutation) -> Statement:
-    """K u + d <= drive(u) <= max(K_max u, 0) + dbar, and the same of -u and drive_back(u), for
-    every u.
+    """K u + d <= drive(u) <= max(K_max u, 0) + dbar for every u; likewise for -u and drive_back(u).
 
-    The speed towards which a command can drive the base, gain and push at their worst.
+    The steady speed of a command for the worst gain and push.
 
     Given: {ANY_SIDE}.
     """
@@ -102,8 +101,8 @@ def highest(u: SX, b: FirstOrder) -> SX:
 def inside(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= V.
 
-    A command that takes over at a speed of at most v_bar never drives the base past its limit, for
-    as long as it may act.
+    A command that takes over at a speed of at most v_bar keeps the base within its limit for as
+    long as it may act.
 
     Given: {ANY_SIDE}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with e =
     exp(-H/tau_min), kappa = e/(1 - e).
@@ -118,7 +117,7 @@ def inside(mutation: Mutation) -> Statement:
 
 @claim("filter.contains-clip")
 def contains_clip(mutation: Mutation) -> Statement:
-    """hi(v_bar) >= (V - dbar)/K_max >= 0, and hi(V) is that.
+    """hi(v_bar) >= (V - dbar)/K_max >= 0, with equality for v_bar = V.
 
     The governor is never stricter than the clip, and never refuses to stop: 0 is always safe.
 
@@ -152,7 +151,7 @@ def necessary(mutation: Mutation) -> Statement:
 def estimate(mutation: Mutation) -> Statement:
     """v + share (mean - v) <= relaxed(w, target).
 
-    The bound on the speed that is carried from sample to sample remains a bound.
+    The speed bound that is propagated from sample to sample remains a bound.
 
     Given: v <= w, mean <= target, 0 <= least <= share <= most <= 1 (least = 1 - exp(-t/tau_max),
     most = 1 - exp(-t/tau_min)).
@@ -168,7 +167,7 @@ def estimate(mutation: Mutation) -> Statement:
 def curvature(mutation: Mutation) -> Statement:
     """0 < eta <= 1 and lo_i <= eta r_i <= hi_i with eta the smaller of both axes' shares.
 
-    One factor scales both axes, so omega/v stays as asked for.
+    One factor scales both axes, so omega/v stays as requested.
 
     Given: lo_i < 0 < hi_i; both axes' commands r_i of any size.
     """
@@ -252,7 +251,7 @@ def limits(mutation: Mutation) -> Statement:
     """the largest command that the whole filter admits is at least 0, on either axis, either way,
     and above 0 where dbar < V.
 
-    Stopping is always allowed, and so is driving where a push leaves room for it.
+    Stopping is always allowed, and so is driving if a push leaves room for it.
 
     Given: 0 < K_min <= K_max, 0 <= dbar <= V each way, 0 < tau_min <= tau_max of each axis, T > 0;
     any odometry of the sample, any time since the last one; v and omega limited; no delay, jitter
@@ -278,7 +277,7 @@ def limits(mutation: Mutation) -> Statement:
 @claim("filter.sent", premises="filter.limits", each=SIDES)
 def sent(mutation: Mutation, side: int, axis: int) -> Statement:
     """on each axis, forwards and backwards: the command that the whole filter sends is at most the
-    step's limit, whatever both axes are asked for.
+    step's limit, for any request on both axes.
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
 
@@ -295,10 +294,10 @@ def sent(mutation: Mutation, side: int, axis: int) -> Statement:
 
 @claim("filter.assembled", premises="filter.sent", each=SIDES)
 def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
-    """on each axis, forwards and backwards: E v + (1 - E) mean <= V behind every command u that
-    the whole filter admits.
+    """on each axis, forwards and backwards: E v + (1 - E) mean <= V under every command u that the
+    whole filter admits.
 
-    The limit of the filter as it is exported, from odometry to command, keeps the base within V.
+    The exported filter, from odometry to command, keeps the base within V.
 
     Given: {ASSEMBLED}; u at most the step's limit (filter.sent).
     """
@@ -312,8 +311,8 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
 def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
     """Points at which the next stored bound is as low as it may be.
 
-    In turn: driven up and down from a stored bound, from odometry, from the limit after a late
-    sample, and from a stored bound without odometry.
+    They are, in this order: driven up and down from a stored bound, from odometry, from the limit
+    after a late sample, and from a stored bound without odometry.
     """
     own, other, way = axis + 1, 2 - axis, WAYS[side]
     names = ("v_above", "v_below") if side == 0 else ("v_below", "v_above")
@@ -354,10 +353,10 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
     each=SIDES,
 )
 def carried(mutation: Mutation, side: int, axis: int) -> Statement:
-    """on each axis, forwards and backwards: v + share (mean - v) <= what the whole filter keeps as
-    next bound, for least <= share <= most.
+    """on each axis, forwards and backwards: v + share (mean - v) <= the whole filter's next stored
+    bound, for least <= share <= most.
 
-    The memory of the filter as it is exported bounds the speed at the next sample.
+    The memory of the exported filter bounds the speed at the next sample.
 
     Given: {ASSEMBLED}; sent at most the step's limit (filter.sent).
     """
@@ -379,12 +378,12 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     each=SIDES,
 )
 def induced(mutation: Mutation, side: int, axis: int) -> Statement:
-    """I at a sample implies I at the next one, whatever the whole filter is asked for: on each
-    axis, forwards and backwards, E v + (1 - E) mean <= V up to then, and, then, it is at most what
-    the filter keeps as next bound.
+    """I at a sample implies I at the next one, for any request: on each axis, forwards and
+    backwards, E v + (1 - E) mean <= V until then, and at that time it is at most the filter's next
+    stored bound.
 
-    A step of the induction over samples (filter.mean): what is sent, what the speed does and what
-    is remembered, in one.
+    One step of the induction over samples (filter.mean), with the command sent, the speed and the
+    memory together.
 
     Given: I: {ASSEMBLED}; mean <= drive(u), u what is sent; exp(-T/tau_min) <= E <= 1, and E <=
     exp(-T/tau_max) at the next sample.

@@ -1,6 +1,6 @@
 """Compiled forms of the barriers: the paper's functions, truncation of the series, the smooth one.
 
-Of the smooth barrier: where it aims, that A is the slope of V1, how far A/w goes.
+For the smooth barrier also: its target, the slope A of V1, and the range of A/w.
 """
 
 from casadi import SX, fmax, gradient
@@ -41,7 +41,7 @@ claim = Claims(by=EVERYWHERE)
 def target(mutation: Mutation) -> Statement:
     """the compiled v_c1 equals (18).
 
-    The generated code aims where the paper aims.
+    The generated code has the paper's target.
 
     Given: {ALL_LIMITS}; |v_c0| < 1e100.
     """
@@ -53,7 +53,7 @@ def target(mutation: Mutation) -> Statement:
 def distance(mutation: Mutation) -> Statement:
     """the compiled v - v_c1 is the difference of v and (18).
 
-    The distance to the target is right even where it is computed in another way.
+    The distance to the target is right even if it is computed in another way.
 
     Given: {ALL_LIMITS}; |v_c0| < 1e100.
     """
@@ -115,8 +115,7 @@ def series_slope(mutation: Mutation) -> Statement:
     """for |y| < 0.05 the compiled series has a derivative within 2^-51 |y| of phi'(y); integrated
     from 0, it is within 2^-52 y^2 of phi(y), about one part in 2^51.
 
-    Where the logarithm would lose digits a series replaces it; the two cannot be told apart in
-    double precision.
+    If the logarithm would lose digits a series replaces it; in double precision both give the same.
 
     Given: 0 < |y| < 0.05, coefficients as the doubles that they are.
     """
@@ -184,7 +183,7 @@ def smooth_target(mutation: Mutation) -> Statement:
 def slope(mutation: Mutation) -> Statement:
     """smooth barrier: (v - v_c1)/q is dV1i/dv, the slope A of the compiled V1i.
 
-    What the laws divide by is the slope of the barrier function.
+    The laws' divisor is the slope of the barrier function.
 
     Given: every 0 < v_u2 < v_u1, |v| < v_u1, any v_c0; off |v| = v_u2 and |v_c0| = v_u2, and v =
     v_c0 = 0 left out{NO_SERIES}.

@@ -1,9 +1,9 @@
-"""Parts put together, and arguments by hand in pieces.
+"""Compositions of parts, and the pieces of arguments by hand.
 
-The assembled parts are desired motions, dead reckoning, and the prediction to when a command acts.
-The pieces are steps of sums, motions, logarithm, sine by derivatives; the integrals, means and
-inductions themselves are in docs/lemmas.md. Of the functions, the solver knows at most (sin t)^2 +
-(cos t)^2 = 1; `lemma.integration` leads from a derivative's sign to the inequality.
+The parts are desired motions, dead reckoning, and the prediction to the time when a command acts.
+The pieces are steps of sums, motions, and derivatives of logarithm and sine; the integrals, means
+and inductions themselves are in docs/lemmas.md.  About sine and cosine, the solver knows at most
+(sin t)^2 + (cos t)^2 = 1; `lemma.integration` derives the inequality from a derivative's sign.
 """
 
 from functools import reduce
@@ -58,7 +58,7 @@ def believed(mutation: Mutation) -> Statement:
 def eq18_rate(mutation: Mutation) -> Statement:
     """v_c1' = (d v_c1/d v_c0) v_c0'.
 
-    How fast the target of the velocity moves.
+    Rate of the velocity's target.
 
     Given: {OFF_EDGES}.
     """
@@ -123,7 +123,8 @@ def acting() -> tuple[Symbols, SX, SX, list[SX]]:
 def prediction_times(mutation: Mutation) -> Statement:
     """tau_1 + ... + tau_n = delay, 0 <= tau_j <= T, n = 5.
 
-    Over its delay the law counts on each command under way for as long as it acts.
+    The law's prediction uses each command in transit for exactly the time that it acts within the
+    delay.
 
     Given: 0 <= delay <= 5 T; up to 5 commands.
     """
@@ -137,7 +138,7 @@ def prediction_times(mutation: Mutation) -> Statement:
 def oldest_first(mutation: Mutation) -> Statement:
     """tau_j = T wherever tau_(j+1) is not 0.
 
-    Only the oldest command under way acts for less than a period.
+    Only the oldest command in transit acts for less than a period.
     """
     t, delay, period, times = acting()
     goals = [older * (newer - mutation * period) == 0 for newer, older in pairwise(times)]
@@ -148,7 +149,7 @@ def oldest_first(mutation: Mutation) -> Statement:
 def friction(mutation: Mutation) -> Statement:
     """v+ has the sign of u, |v+| <= |u|, and v+ = u - t F1(u)/M while that is smaller than u.
 
-    In the prediction friction slows the robot down and never turns it round.
+    In the prediction friction slows the robot down and never reverses it.
 
     Given: F1(u) u >= 0.
     """
@@ -183,10 +184,10 @@ def lemma_piece(mutation: Mutation) -> Statement:
 
 @piece_claim("guard.delay.step")
 def delay_step(mutation: Mutation) -> Statement:
-    """v+ is at most y + nbar or f_speed, and what the commands before have added: after the next
-    one it is at most that and tau max(F + net, 0)/M_min more, as the guard sums it; so is -v.
+    """v+ is at most y + nbar or f_speed, plus the contributions of earlier commands.  The next
+    command adds at most tau max(F + net, 0)/M_min, as in the guard's sum.  The same holds for -v.
 
-    One step of the sum over commands under way, for whatever was summed before.
+    One step of the sum over commands in transit, for any earlier sum.
 
     Given: guard.lemma over the piece; it acts for 0 <= s <= tau, M >= M_min > 0.
     """
@@ -203,8 +204,8 @@ def delay_step(mutation: Mutation) -> Statement:
 
 @piece_claim("guard.late.mean-piece")
 def mean_piece(mutation: Mutation) -> Statement:
-    """v+ now is at most what the guard counts from y with the commands of both periods, in the mean
-    and from rest; so is -v.
+    """v+ now is at most the guard's bound from y with the commands of both periods, in the mean and
+    from rest; likewise -v.
 
     guard.late.mean for motions in pieces; its integrals are the limit of these.
 
@@ -230,8 +231,8 @@ def mean_piece(mutation: Mutation) -> Statement:
 
 @piece_claim("guard.late.convex")
 def convex(mutation: Mutation) -> Statement:
-    """p(w F + (1 - w) F') <= w p(F) + (1 - w) p(F'), p what the guard counts of a force; either
-    way.
+    """p(w F + (1 - w) F') <= w p(F) + (1 - w) p(F'), with p the push that the guard assumes for a
+    force; in both directions.
 
     Jensen's inequality of two forces, and so of any weights on finitely many.
 
@@ -272,7 +273,7 @@ def sine(mutation: Mutation) -> Statement:
     odd and does not fall; t^2/2 - 1 + cos t has the derivative t - sin t; (sin t)/t has the
     derivative n/t^2, n = t cos t - sin t, and n does not rise from 0 on; each is 0 at 0.
 
-    What the window argument uses about the angle.
+    Facts about the angle in the window argument.
 
     Given: sin t >= 0 for 0 <= t <= pi.
     """

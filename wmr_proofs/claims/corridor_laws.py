@@ -44,7 +44,7 @@ def prox(mutation: Mutation, smooth: bool) -> Statement:
     """|E v* + (1-E) c+| <= v_u2 implies that this is the law's v+, as its corridor assumes;
     with either barrier.
 
-    Away from the limits the step is a mixture of where the velocity is carried and the target.
+    Away from the limits the step is a weighted mean of the transported velocity and the target.
 
     Given: 0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1; v* = v + c_m - c.
     """
@@ -91,7 +91,7 @@ def guard(mutation: Mutation) -> Statement:
     """With S = M_min alpha: |F + S y|, |S y| <= S (u1 - nbar) - net, |F| <= S (u1 - f_speed) - net
     imply that the guard leaves F as it is, and that its safe point is 0.
 
-    On these conditions the law drives as if there were no guard.
+    Under these conditions the law drives as if there were no guard.
 
     Given: no late command; M_min, M_max, T, alpha, u1 > 0, nbar, f_speed, brake >= 0, dbar >=
     f_min.
@@ -115,7 +115,7 @@ def guard(mutation: Mutation) -> Statement:
 def wheels(mutation: Mutation, key: str) -> Statement:
     """Torques within tau_max on both wheels imply that either map leaves the force as it is.
 
-    On this condition the wheels' limit does not act.
+    Under this condition the wheels' limit does not act.
 
     Given: r, l, tau_max > 0; the guard's safe point is 0, as it is without a guard.
     """
@@ -131,7 +131,7 @@ def wheels(mutation: Mutation, key: str) -> Statement:
 def product(mutation: Mutation) -> Statement:
     """|a + ratio b| <= P and |a - ratio b| <= Q imply 4 ratio |a b| <= max(P^2, Q^2).
 
-    The largest product of two errors follows from how large sums of them get.
+    The largest product of two errors follows from the largest sums of them.
 
     Given: ratio > 0.
     """
@@ -155,11 +155,11 @@ SCALES = {
 
 @claim("corridor.filter", each=SCALES)
 def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
-    """A command of which no limited speed is beyond its limit is sent as it is, whether the filter
-    limits axes and wheels, wheels alone, or with each axis its own factor axes alone; and whether
-    it has one factor, turns first or drives first.
+    """A command whose limited speeds are all within their limits is sent unchanged.  This holds if
+    the filter limits axes and wheels, wheels alone, or axes alone with a factor for each; and for
+    one factor, turning first or driving first.
 
-    On this condition the base gets what the law asks for.
+    Under this condition the base receives the law's command.
 
     Given: limits and l > 1e-29.
     """
@@ -178,9 +178,10 @@ def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
 
 @claim("corridor.dead-band")
 def dead_band(mutation: Mutation) -> Statement:
-    """a command behind the dead band is off by at most its size, and by nothing where it is larger.
+    """a command behind the dead band has an error of at most the band's size, and none if the
+    command is larger.
 
-    What the dead band does counts as an error of the command.
+    The effect of a dead band is treated as an error of the command.
 
     Given: any size >= 0.
     """
@@ -197,7 +198,7 @@ def dead_band(mutation: Mutation) -> Statement:
 def wheel_speed(mutation: Mutation) -> Statement:
     """|v + l omega|, |v - l omega| <= r w_max imply that the firmware leaves the command as it is.
 
-    On this condition no wheel's speed is clipped.
+    Under this condition no wheel's speed is clipped.
 
     Given: r, l, w_max > 0.
     """
@@ -210,9 +211,9 @@ def wheel_speed(mutation: Mutation) -> Statement:
 
 @claim("corridor.pi-loop")
 def pi_loop(mutation: Mutation) -> Statement:
-    """the PI loop whose integral may rest does what the one does whose integral never rests.
+    """the PI loop with anti-windup equals the one without.
 
-    Without a torque limit that acts, the certificate may take the loop for a linear one.
+    If no torque limit acts, the certificate may treat the loop as linear.
 
     Given: r, l, tau_max > 0; no wheel is at its torque limit.
     """
@@ -234,7 +235,7 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
     force, imply that the guard leaves F as it is, and that 0 is safe; behind a constant delay and
     with jitter.
 
-    On these conditions the law drives as if there were no guard, though commands are late.
+    Under these conditions the law drives as if there were no guard, although commands are late.
 
     Given: M_min, M_max, T, alpha, u1, delay > 0, S = M_min alpha, net >= 0; ahead, back, and what
     the last command adds to them until the new one is sure to act: a >= 0, 0 without jitter; c = 1
@@ -273,10 +274,10 @@ def late_guard(mutation: Mutation, jitters: bool) -> Statement:
 
 @claim("corridor.guard-sums")
 def late_sums(mutation: Mutation) -> Statement:
-    """what two commands that may act for tau_j count for is at most sum tau_j (F_j + N)/M_min ahead
-    and sum tau_j (N - F_j)/M_min back; of a piece in which either may act, with one of the two.
+    """two commands that may act for tau_j add at most sum tau_j (F_j + N)/M_min ahead and sum tau_j
+    (N - F_j)/M_min back; in a piece in which either may act, one of the two bounds holds.
 
-    So what the guard counts is linear in the commands, and an output of the loop.
+    So the guard's bound is linear in the commands, and an output of the loop.
 
     Given: M_min, T > 0, tau_j >= 0; |F_j| <= N, N >= net.
     """
@@ -296,13 +297,14 @@ def late_sums(mutation: Mutation) -> Statement:
 
 @claim("corridor.jitter")
 def overtaken(mutation: Mutation) -> Statement:
-    """what acts is the command that arrived last or the one before it, and what is given is so
+    """the acting command is the last one that arrived or the one before it, and the hypotheses hold
     again in the next plant step.
 
     Drives with jitter let one of the last two commands act, never an older one.
 
-    Given: jitter a multiple of h, h > 0; each time drawn within it; what waits is the command that
-    arrived last, and what acts is it or the one before, it from the time drawn for it on.
+    Given: jitter a multiple of h, h > 0; each drawn time is within the jitter; the last command
+    that arrived is waiting or, from its drawn time on, acting; before that the previous command
+    acts.
     """
     g = Jittering()
     h, t = g["clock.plant"], g.free | symbols("older")
@@ -324,10 +326,11 @@ def overtaken(mutation: Mutation) -> Statement:
 
 @claim("corridor.ramp")
 def ramped(mutation: Mutation) -> Statement:
-    """a ramp leads towards its goal and not past it, in a plant step by a h or all that is left,
-    or as far as 0 where it has to turn round.
+    """a ramp moves towards its goal and not past it: in a plant step by a h, or by the rest of the
+    way, or to 0 if the sign must change.
 
-    On the way from one command to the next what acts lies between them, and is there in time.
+    Between two commands the acting velocity lies between them, and it reaches the second one in
+    time.
 
     Given: h, a > 0; a at most accel and decel.
     """
@@ -348,10 +351,10 @@ def ramped(mutation: Mutation) -> Statement:
 
 @claim("corridor.reckoning")
 def reckoning(mutation: Mutation) -> Statement:
-    """after a period of dead reckoning the second is off by b as before, and in its position by
-    what it was and T v times the difference of both directions.
+    """after a period of dead reckoning the second pose's heading error is still b, and its position
+    error has changed by T v times the difference of both directions.
 
-    A reckoned pose that began off the true one goes on being off so, and turns no further away.
+    An initial error of a dead-reckoned pose persists, and its heading error does not grow.
 
     Given: two poses, the second off by (dx, dy, b); one velocity.
     """

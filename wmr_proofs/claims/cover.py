@@ -1,4 +1,5 @@
-"""The regions of `proofs.regions` cover everything, and each chart reaches all of its region."""
+"""The regions of `wmr_proofs.regions` cover the whole domain, and each chart covers all of its
+region."""
 
 from functools import reduce
 

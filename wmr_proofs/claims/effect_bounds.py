@@ -1,4 +1,5 @@
-"""Drives, ground, air, sensors, commands on their way to a base: their bounds, on their graphs."""
+"""Bounds of effects, on their own graphs: drives, ground, air, sensors, commands in transit to a
+base."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -180,7 +181,7 @@ def counted_speed(mutation: Mutation, axis: int) -> Statement:
     """differences of counts over w, the window that the bound gives, give {name} with an error
     below {error}.
 
-    What the guard counts as window, and what an encoder adds to nbar besides it.
+    The window that the guard assumes, and an encoder's contribution to nbar.
 
     Given: {WHOLE}.
     """
@@ -216,10 +217,10 @@ def _shares(g: EffectGraph) -> Relations:
     over=rows(axis=(0, 1), name=("v1", "omega"), off=MISREAD),
 )
 def misread_speed(mutation: Mutation, axis: int) -> Statement:
-    """with wheels other than believed, their turns give {name} off by at most {off}, c
-    and d the mean and half the difference of 1/(1 + radius_i).
+    """if the wheels differ from the believed ones, their rotation gives {name} with an error of at
+    most {off}, where c and d are the mean and half the difference of 1/(1 + radius_i).
 
-    What wrong radii add to nbar of an encoder.
+    Contribution of wrong radii to nbar of an encoder.
 
     Given: {WHEELS_INSIDE}.
     """
@@ -242,9 +243,9 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
     over=rows(axis=(0, 1), name=("thrust", "moment"), off=MISMADE),
 )
 def wheels_thrust(mutation: Mutation, axis: int) -> Statement:
-    """torques of at most tau make a {name} that is off by at most {off}.
+    """for torques of at most tau the error of the {name} is at most {off}.
 
-    What wrong radii, and for the moment a wrong track, add to dbar.
+    Contribution of wrong radii, and for the moment of a wrong track, to dbar.
 
     Given: {WHEELS_SIZES}.
     """
@@ -263,10 +264,10 @@ drive_claim = Claims()
 
 @drive_claim("world.lag.stepped")
 def held(mutation: Mutation) -> Statement:
-    """a lag that holds a plant step's last value adds h Z1 + s Z1 <= what Z adds that rises with a
-    = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b].
+    """a lag that holds a plant step's last value adds h Z1 + s Z1, at most the contribution of a Z
+    that rises with a = h e/(1 - e) and falls with b, and ends no higher, for every s in [a, b].
 
-    A lag computed in plant steps counts as one with a slightly smaller time constant.
+    A lag computed in plant steps is covered by one with a slightly smaller time constant.
 
     Given: e = exp(-h/tau_min); tau_min <= tau <= b, exponentials as symbols with exp(-h/a) <=
     exp(-h/tau_min) <= exp(-h/tau) <= exp(-h/b) < 1 and h <= b (exp(h/b) - 1).
@@ -288,8 +289,8 @@ def held(mutation: Mutation) -> Statement:
 
 @drive_claim("world.lag.applied")
 def applied(mutation: Mutation) -> Statement:
-    """the torque that laws are told was applied is the mean of what acted in the plant steps of the
-    sample behind delay and lag, and what acts at its end is the drives' own.
+    """the applied torque in a law's input is the mean of the torques that acted in the plant steps
+    of the sample behind delay and lag, and the torque at its end is that of the drives.
 
     The observer and the monitor use the torque that the simulated drives produced.
 
@@ -313,7 +314,7 @@ def lag_bound(mutation: Mutation) -> Statement:
     lag (1 + spread x), |x| <= 1, which is at most the upper time constant in their bound, and
     h/(exp(h/tau) - 1) of it at least the lower one.
 
-    What drives of a lag that varies add to the guard's numbers (world.lag.stepped has the rest).
+    Contribution of drives with a varying lag to the guard's numbers (see also world.lag.stepped).
 
     Given: {TIMES}: larger where lag' is smaller, exp(x) - 1 >= x.
     """
@@ -334,10 +335,10 @@ def lag_bound(mutation: Mutation) -> Statement:
 
 @drive_claim("world.lag.constant")
 def constant_lag(mutation: Mutation) -> Statement:
-    """both time constants that the bound of a lag without spread tells are the lag of the drives'
-    own graph, of which exp(-h/lag) is left in a step.
+    """both time constants in the bound of a lag without spread are the lag of the drives' own
+    graph, where the share exp(-h/lag) remains after a step.
 
-    What drives of one time constant add to the guard's numbers.
+    Contribution of drives with one time constant to the guard's numbers.
 
     Given: lag > 0, spread = 0.
     """
@@ -354,10 +355,10 @@ def constant_lag(mutation: Mutation) -> Statement:
 
 @drive_claim("world.delay.bound")
 def delay_bound(mutation: Mutation) -> Statement:
-    """the bound of the delay is what the drives' own graph holds a command back by: delay +
+    """the bound of the delay equals the delay of a command in the drives' own graph: delay +
     unmodelled delay.
 
-    What the guard counts as the latest takeover.
+    The latest takeover that the guard assumes.
 
     Given: any delay and unmodelled delay.
     """
@@ -385,13 +386,12 @@ class Jittering(EffectGraph):
 @drive_claim("world.jitter.bound")
 def jitter_bound(mutation: Mutation) -> Statement:
     """in the drives' own graph a command that arrived at phase 0 acts from phase jitter/h on at the
-    latest, and what is drawn for the next steps is at most that; this jitter is the one in the
-    bound.
+    latest, and times drawn for the next steps are at most that; the bound has this jitter.
 
-    What the guard counts as the earliest and the latest takeover.
+    The earliest and the latest takeover that the guard assumes.
 
     Given: jitter a multiple of h, h > 0; drawn, a whole number from 0 on, below jitter/h + 1, so at
-    most jitter/h; what waits was drawn like that.
+    most jitter/h; the waiting command's time was drawn in the same way.
     """
     g = Jittering()
     h, width, t = g["clock.plant"], g["actuator.jitter"], g.free
@@ -406,9 +406,9 @@ def jitter_bound(mutation: Mutation) -> Statement:
 
 @drive_claim("world.motor.step")
 def stepped(mutation: Mutation) -> Statement:
-    """torque in steps is off by at most half a step.
+    """torque in steps has an error of at most half a step.
 
-    What a motor's resolution adds to dbar.
+    Contribution of a motor's resolution to dbar.
 
     Given: step > 0.
     """
@@ -423,9 +423,9 @@ def stepped(mutation: Mutation) -> Statement:
 
 @drive_claim("world.motor.dead-zone")
 def world_motor_dead_zone(mutation: Mutation) -> Statement:
-    """a dead zone takes at most its width, in the torque's direction.
+    """a dead zone removes at most its width, in the torque's direction.
 
-    What it adds to dbar.
+    Its contribution to dbar.
 
     Given: zone > 0.
     """
@@ -441,7 +441,7 @@ def line(mutation: Mutation) -> Statement:
     """on the torque-speed line a torque up to tau misses at most the smaller of tau and d(s) =
     max(tau - stall (1 - s/free), 0), s the speed in its direction, if positive.
 
-    What a motor misses at a speed.
+    The torque that a motor lacks at a speed.
 
     Given: stall > 0, 1/free >= 0, |torque| <= tau.
     """
@@ -465,7 +465,7 @@ def line(mutation: Mutation) -> Statement:
 def pair_ahead(mutation: Mutation, way: int) -> Statement:
     """d(s) of both wheels together is largest at v1 = u1, |omega| = u2 where they drive {drive}.
 
-    What motors add to dbar, {name}.
+    Contribution of motors to dbar, {name}.
 
     Given: |v1| <= u1, l |omega| <= l u2; stall > 0, 1/free >= 0.
     """
@@ -487,8 +487,8 @@ def pair_ahead(mutation: Mutation, way: int) -> Statement:
     over=rows(axis=(0, 1), name=("thrust", "moment")),
 )
 def motor_bound(mutation: Mutation, axis: int) -> Statement:
-    """the torque that motors fail to give makes no more {name} than their bound says, for steps,
-    dead zone and line at once.
+    """the torque that motors lack causes at most the {name} of their bound, for steps, dead zone
+    and line together.
 
     The guard's bound for motors covers the sum of their parts.
 
@@ -539,7 +539,7 @@ claim = Claims()
 def world_slope(mutation: Mutation) -> Statement:
     """a slope pulls with at most m g sin(angle), and turns with at most |offset| times that.
 
-    What a slope adds to dbar.
+    Contribution of a slope to dbar.
 
     Given: 0 < m <= guard.M_max, g > 0, sin(angle) >= 0; |sine|, |cosine| of the heading <= 1.
     """
@@ -564,7 +564,7 @@ def world_slope(mutation: Mutation) -> Statement:
 def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     """rolling resistance {does} the robot on with at most {times}the difference of the wheels'.
 
-    Equal wheels only brake; what one has more may push. Backwards by symmetry.
+    Equal wheels only brake; the excess of one wheel may push.  Backwards by symmetry.
 
     Given: {HEAVY}; {sign} >= 0; |tanh| <= 1, and as {sign} >= 0 has it tanh((v1 + l omega)/v_s)
     {pair} tanh((v1 - l omega)/v_s) >= 0.
@@ -589,9 +589,9 @@ def resisted_thrust(mutation: Mutation, axis: int) -> Statement:
     over=rows(axis=(0, 1), name=("thrust", "moment"), most=("2 n std/r", "2 l n std/r")),
 )
 def noise_thrust(mutation: Mutation, axis: int) -> Statement:
-    """torque noise within n std on each wheel makes a {name} of at most {most}.
+    """torque noise within n std on each wheel causes a {name} of at most {most}.
 
-    What torque noise adds to dbar.
+    Contribution of torque noise to dbar.
 
     Given: r, l > 0, std >= 0; |each normal number| <= n.
     """
@@ -608,7 +608,7 @@ def noise_thrust(mutation: Mutation, axis: int) -> Statement:
 def world_gust(mutation: Mutation) -> Statement:
     """a filter's share of the size stays within [-1, 1], and the force within the size.
 
-    What gusts add to dbar.
+    Contribution of gusts to dbar.
 
     Given: shares before and numbers within [-1, 1], size >= 0, 0 <= keep = exp(-T/time) <= 1.
     """
@@ -624,9 +624,9 @@ def world_gust(mutation: Mutation) -> Statement:
 
 @claim("world.gyro")
 def world_gyro(mutation: Mutation) -> Statement:
-    """a gyro is off by at most |bias| + noise.
+    """a gyro has an error of at most |bias| + noise.
 
-    What it adds to nbar.
+    Its contribution to nbar.
 
     Given: noise >= 0; the random number within [-1, 1].
     """
@@ -640,7 +640,7 @@ def world_gyro(mutation: Mutation) -> Statement:
 def world_velocity_noise(mutation: Mutation) -> Statement:
     """noise of the velocity is at most its half-width, per axis.
 
-    What it adds to nbar.
+    Its contribution to nbar.
 
     Given: half-widths >= 0; random numbers within [-1, 1].
     """
@@ -657,9 +657,9 @@ AGES = {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01, "clock.cont
 @claim("world.velocity-mean.bound")
 def world_velocity_mean(mutation: Mutation) -> Statement:
     """the mean velocity times the window in its bound is the distance from that window's start to
-    its end, and both are as old as the bound says, in periods since each distance was read.
+    its end, and both have the ages in the bound, in periods since each distance was read.
 
-    What the guard counts as age and window.
+    The age and the window that the guard assumes.
 
     Given: T > 0; a window of two periods that ended one period ago, after the first sample.
     """
@@ -679,10 +679,10 @@ def world_velocity_mean(mutation: Mutation) -> Statement:
     over=rows(axis=(0, 1), of=("", "-angular"), what=("velocity", "angular velocity")),
 )
 def rounded_mean(mutation: Mutation, axis: int) -> Statement:
-    """the mean {what} as computed is off that of the exact way by no more than the error that its
-    bound tells.
+    """the computed mean {what} differs from that of the exact path length by at most the error in
+    its bound.
 
-    What a mean adds to nbar: the rounding of ways.
+    Contribution of a mean to nbar: the rounding of path lengths.
 
     Given: u1, h > 0; a window of two periods T, T at least h, ended one period ago, after the first
     sample; its way is at most u1 times the window, and the duration no shorter and eight h or more;
@@ -706,7 +706,7 @@ def rounded_mean(mutation: Mutation, axis: int) -> Statement:
 def world_push(mutation: Mutation) -> Statement:
     """an adversary's push is at most its size, per axis.
 
-    What it adds to dbar.
+    Its contribution to dbar.
 
     Given: r, l > 0, size >= 0; at every velocity.
     """
@@ -722,10 +722,10 @@ command_claim = Claims()
 
 @command_claim("world.command-delay.bound")
 def command_delay_bound(mutation: Mutation) -> Statement:
-    """the bound of a command's delay is what its own graph holds a command back by, which it leaves
-    as it is.
+    """the bound of a command's delay equals the delay in its own graph, which leaves the command
+    unchanged.
 
-    What the governor counts as the delay of a command.
+    The delay of a command that the governor assumes.
 
     Given: any delay.
     """
@@ -737,14 +737,14 @@ def command_delay_bound(mutation: Mutation) -> Statement:
 
 @command_claim("world.command-loss.bound")
 def command_loss_bound(mutation: Mutation) -> Statement:
-    """no more commands in a row are missed than the bound tells, silence lasts for the periods that
-    were missed and no longer, and the base never stops in between.
+    """the number of consecutive lost commands is at most that in the bound, silence lasts for the
+    lost periods and no longer, and the base never stops in between.
 
-    What the governor counts as lost commands.
+    The number of lost commands that the governor assumes.
 
     Given: losses >= 0 whole, timeout at least (losses + 1) T less 1e-9 of it, which is at most h; T
-    a multiple of h > 0; so far no more were missed in a row than the bound tells, and silence lasts
-    for the periods that were missed.
+    a multiple of h > 0; until now no more were lost in a row than the bound says, and silence lasts
+    for the lost periods.
     """
     numbers = {"base.losses": 2, "base.timeout": 0.05, "clock.control": 0.01}
     g = EffectGraph(command_loss.COMMAND_LOSS, numbers, "clock")
@@ -772,9 +772,9 @@ def command_loss_bound(mutation: Mutation) -> Statement:
 
 @command_claim("world.command-quantum.bound")
 def command_quantum_bound(mutation: Mutation) -> Statement:
-    """a rounded command is off by at most half a step, per axis.
+    """a rounded command has an error of at most half a step, per axis.
 
-    What the governor counts as the error of a command.
+    The error of a command that the governor assumes.
 
     Given: step > 0; whole parts of two numbers: n <= x < n + 1.
     """
@@ -791,10 +791,10 @@ def command_quantum_bound(mutation: Mutation) -> Statement:
 
 @command_claim("world.wheel-commands")
 def wheels_heard(mutation: Mutation) -> Statement:
-    """behind dead bands of the wheels the command that acts is off by at most command + dropped of
-    the bound, and no larger than the one that arrived by more than command, per axis.
+    """behind dead bands of the wheels the error of the acting command is at most command + dropped
+    of the bound, and the acting command exceeds the one that arrived by at most command, per axis.
 
-    What a filter counts as the error of a command, and what a clip does.
+    The error of a command that a filter and a clip assume.
 
     Given: l > 0, size >= 0; no ramps.
     """
