@@ -1,5 +1,6 @@
 """The regions of `wmr_proofs.regions` cover the whole domain, and each chart covers all of its
-region."""
+region.
+"""
 
 from functools import reduce
 

@@ -1,5 +1,6 @@
 """Bounds of effects, on their own graphs: drives, ground, air, sensors, commands in transit to a
-base."""
+base.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace

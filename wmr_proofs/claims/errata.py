@@ -1,4 +1,4 @@
-"""Errata of the paper beyond single equations, each with an exact point; and ours: a strict
+"""Errata of the paper beyond single equations, each with an exact point.  Results of ours: a strict
 Lyapunov function near the path, and a set that the saturated robot never leaves.
 """
 
@@ -63,7 +63,7 @@ def ball(_: Mutation) -> Statement:
 
 @claim("eq61.omega", (61,), by=Refute(EDGE))
 def omega(_: Mutation) -> Statement:
-    """inside the ball Omega_1 V2 is at most what it is on the ball's edge, so that no motion which
+    """inside the ball Omega_1 V2 is at most its value on the ball's edge, so that no motion that
     lowers V2 leaves the ball.
 
     An error can leave the ball while V2 falls: the stated sets are not shown to hold the robot.
@@ -84,8 +84,8 @@ def omega(_: Mutation) -> Statement:
 def stays_on_target(_: Mutation) -> Statement:
     """A^-1 := 0 where A = 0 keeps a robot on its target velocity: the command there is v_c0'.
 
-    On target the printed law commands acceleration 0 instead of the target's. A robot that starts
-    with v = v_c0 falls behind at once; the code takes the limit v_c0' instead.
+    On target the printed law commands acceleration 0 instead of the target's.  A robot that starts
+    with v = v_c0 then falls behind; the code takes the limit v_c0' instead.
 
     Given: v = v_c0, |v| < v_u2.
     """

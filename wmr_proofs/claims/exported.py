@@ -1,8 +1,8 @@
-"""The guard as it is exported: the parts of its graphs, and which sums it takes of commands.
+"""The exported guard: the parts of its graphs, and its sums over commands.
 
-Sums and pushes are written down here for one piece of time after the other, as in the entries about
-pieces (guard.late.piece, guard.late.tail, guard.varying.*). The length of a piece, and its weight,
-are numbers of the scenario.
+Sums and pushes are calculated here piece by piece, as in the entries about pieces
+(guard.late.piece, guard.late.tail, guard.varying.*).  The length of a piece, and its weight, are
+numbers of the scenario.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -49,12 +49,12 @@ def setup(kind: str, delay: int, **more: float) -> Setup:
 
 
 class Assembled(Named):
-    """A graph that is exported, and the numbers of its two axes as the claims' axes have them.
+    """An exported graph, and the numbers of its two axes in the form of the claims' axes.
 
-    ``p``: inputs, state and parameters by name; ``told``: published values besides the torques;
-    ``asked``: the force that is asked for; ``wheels``: radius and half track; ``phi``: the wheels'
-    reach; ``sent``: torques that are remembered, the last one first, and ``forces`` of these;
-    ``counted``: weights of what was sent, the same on both axes.
+    ``p``: inputs, state and parameters by name.  ``told``: published values besides the torques.
+    ``asked``: the requested force.  ``wheels``: radius and half track.  ``phi``: the wheels' reach.
+    ``sent``: remembered torques, the last one first; ``forces``: those of these torques.
+    ``counted``: weights of sent commands, equal for both axes.
     """
 
     def __init__(self, assemble: Callable[[Setup], System], loop: Setup) -> None:
@@ -160,7 +160,9 @@ class Assembled(Named):
         return dict(zip(names, vertsplit(self.system.update, [*ends]), strict=True))
 
     def consists(self, torque: SX) -> Statement:
-        """It consists of these torques, both axes' flags, its memory and the monitor's figure."""
+        """Goals: the outputs are these torques, both axes' flags, the memory and the monitor's
+        figure.
+        """
         return Statement(self, tuple(self._parts(torque)), self.signs, self.cuts)
 
     def _parts(self, torque: SX) -> Iterator[Relations]:
@@ -178,7 +180,7 @@ class Assembled(Named):
             yield self.told["d_least"][axis] == known
 
     def slow_drives(self) -> list[SX]:
-        """Conditions for the drives to be no slower, no sooner and no more varied than counted."""
+        """Conditions for the drives to be no slower, no earlier and no more variable than assumed."""
         p, T, near = self.p, self.p["clock.control"], 1 + 2.0**-44
         delay, lag, spread = (p.get(f"actuator.{key}", 0) for key in ("delay", "lag", "lag_spread"))
         (least, most), (fast, slow) = map(pair_of, (self.setup.guard.delay, self.setup.guard.lag))
@@ -196,7 +198,9 @@ class Assembled(Named):
         return met
 
     def kept(self) -> Iterator[Relations]:
-        """Memory besides commands in transit: the next torque, or older commands behind a lag."""
+        """Memory in addition to commands in transit: the next torque, or older commands behind a
+        lag.
+        """
         if not self.counted.lag:
             whole = all(time == 1 for _, time in self.counted.mean)
             if whole and not self.counted.jitter:
@@ -244,7 +248,7 @@ class Assembled(Named):
         return LateMotion(self.setup.guard.since_last(self.setup.scenario.clock), self.forces, new)
 
     def least_pushes(self) -> Iterator[SX]:
-        """The monitor's figure of each axis, once all that it counts was sent."""
+        """The monitor's figure of each axis, once all commands that it uses were sent."""
         p, at_once = self.p, "guard_started" in self.p
         for axis, (y, b, _) in enumerate(self.axes):
             before = p["guard_v"][axis]
@@ -273,13 +277,13 @@ class Assembled(Named):
 
     @property
     def cuts(self) -> Cuts:
-        """Symbols that stand for the law's force, which may be any."""
+        """Symbols for the law's force, which is arbitrary."""
         asked = {} if "force" in self.p else {"asked thrust": 0, "asked moment": 1}
         return {name: self.asked[axis] for name, axis in asked.items()}
 
 
 def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
-    """It consists of the torques of its map on both axes' clips and safe points."""
+    """Goal: the torques are those of the map, applied to both axes' clips and safe points."""
     r, half = e.wheels
     force, safe = (
         vertcat(*(clipped(part, *axis) for part, axis in zip(wish, e.axes, strict=True)))
@@ -289,6 +293,6 @@ def exported(mutation: Mutation, kind: str, e: Assembled) -> Statement:
 
 
 def _periods(time: float) -> float:
-    """Periods of a stated time, no fewer as doubles compute it."""
+    """A stated time in periods, rounded so that it is not too small."""
     count = time / PERIOD
     return count if count * PERIOD >= time else nextafter(count, inf)

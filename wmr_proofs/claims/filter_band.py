@@ -1,5 +1,5 @@
-"""The band of the command filter: bounds by its forecasts, and the commands that it admits; the
-whole band at timely samples and at any time.
+"""The band of the command filter: bounds from its forecasts, and admitted commands; the whole band
+at punctual samples and at any time.
 
 Tables of a few pieces and the tail: the pieces of longer tables are all treated in the same way.
 """
@@ -67,7 +67,7 @@ class BandAxis(Named):
 
     @property
     def faded(self) -> Relations:
-        """Left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
+        """Hypotheses: left and fading in [0, 1]; the tail's bound is not negative; c > 0."""
         return between(0, self.left, 1), between(0, self.fading, 1), self.tail >= 0, self.c > 0
 
 
@@ -156,7 +156,8 @@ class BandStep(BandAxis):
 
 @claim("filter.band.least")
 def least(mutation: Mutation) -> Statement:
-    """the largest command is 0, or at most what each of the conditions admits where 0 follows.
+    """the largest command is 0, or at most the command that each of the conditions admits if 0
+    follows.
 
     None of the conditions is left out.
 
@@ -174,10 +175,10 @@ def least(mutation: Mutation) -> Statement:
 def held(mutation: Mutation, rises: bool) -> Statement:
     """to + over, -to + under of the changed forecast <= c'', on every piece and behind.
 
-    A command that is admitted keeps the forecast of its being held within the limit.
+    If an admitted command is held, the forecast stays within the limit.
 
-    Given: {AFTER}; {WITHIN}, on every piece and behind; u - fall <= to <= u + rise, what a fall and
-    a rise are admitted.
+    Given: {AFTER}; {WITHIN}, on every piece and behind; u - fall <= to <= u + rise, with the
+    admitted fall and rise.
     """
     a = BandStep()
     s, (rise, fall) = a.symbols, a.steps
@@ -196,12 +197,13 @@ def held(mutation: Mutation, rises: bool) -> Statement:
           for part in ("piece", "tail")},
 )  # fmt: skip
 def stopped(mutation: Mutation, way: int, part: str) -> Statement:
-    """over of the forecast <= c'' and under <= c' if 0 follows a period behind what is admitted,
+    """over of the forecast <= c'' and under <= c' if 0 follows an admitted command a period later,
     on each piece of the tables and behind them.
 
     A stop a period later keeps the forecast within the limit, so that 0 is admitted then.
 
-    Given: {AFTER}; {BAND_INSIDE}; to + over <= c'' if held; 0 <= to <= what is admitted.
+    Given: {AFTER}; {BAND_INSIDE}; to + over <= c'' if held; 0 <= to <= the largest admitted
+    command.
     """
     a = BandStep()
     line, to = (-1 if part == "tail" else 0), a.to
@@ -219,7 +221,7 @@ def stopped(mutation: Mutation, way: int, part: str) -> Statement:
 def zero(mutation: Mutation) -> Statement:
     """0 keeps over <= c'' and under <= c' of the forecast, held or sent again a period later.
 
-    A stop is always admitted, whatever the conditions say.
+    A stop is always admitted, in spite of any condition.
 
     Given: {AFTER}; u >= 0; {BAND_INSIDE}.
     """
@@ -268,8 +270,8 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
 
-    Given: {COMMANDS}, at any time; one factor for v and omega; parameters that are sound; 0 <= what
-    a fall and a rise are admitted, and 0 <= the largest command behind which 0 may follow.
+    Given: {COMMANDS}, at any time; one factor for v and omega; sound parameters; 0 <= the admitted
+    fall and rise, and 0 <= the largest command that 0 may follow.
     """
     graph, named, cuts = _whole(axis)
     (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
@@ -280,13 +282,13 @@ def sent(mutation: Mutation, axis: int) -> Statement:
 
 @whole_claim("filter.band.sent-stop", each=BOTH_AXES)
 def sent_stop(mutation: Mutation, axis: int) -> Statement:
-    """|u| <= the largest command behind which 0 may follow, u what the whole band sends on each
-    axis, and u never turns against what was asked for.
+    """|u| <= the largest command that 0 may follow, with the command u that the whole band sends on
+    each axis, and u never has the opposite sign of the request.
 
-    Behind every command that is sent in time 0 may follow.
+    After every punctual command, 0 may follow.
 
-    Given: {COMMANDS}; one factor for v and omega; any parameters; 0 is between what a fall and a
-    rise are admitted, and 0 <= the largest command behind which 0 may follow.
+    Given: {COMMANDS}; one factor for v and omega; any parameters; 0 is within the admitted fall and
+    rise, and 0 <= the largest command that 0 may follow.
     """
     graph, named, cuts = _whole(axis)
     u = mutation(1, 1.1) * graph.sent[axis]
@@ -297,9 +299,9 @@ def sent_stop(mutation: Mutation, axis: int) -> Statement:
 
 @whole_claim("filter.band.beat")
 def beat(mutation: Mutation) -> Statement:
-    """-before' <= p', q', 0 <= behind' and p' - q' <= before' + behind', the same after the next.
+    """-before' <= p', q', 0 <= behind' and p' - q' <= before' + behind', for the next sample.
 
-    Samples whose spread is within twice the jitter have one beat in common, whichever it is.
+    Samples whose spread is within twice the jitter have a common beat.
 
     Given: -before <= p, q <= behind, the times at which two samples came, less whole periods, after
     the last one; before, behind >= 0; the next one comes a period and ``off`` after that.
@@ -317,9 +319,9 @@ def beat(mutation: Mutation) -> Statement:
 
 @whole_claim("filter.band.fading")
 def fading(mutation: Mutation) -> Statement:
-    """r g and p g, or r g alone where the sample is untimely, <= what is kept of them.
+    """r g and p g, or r g alone if the sample is untimely, are at most their stored bounds.
 
-    How far the base is from its command is known whenever the next command comes.
+    The distance of the base from its command is bounded whenever the next command comes.
 
     Given: r <= reach, p <= past; what stays of both is g >= 0, with g (1 + x + x^2/2) <= 1, x the
     rate times the time since the last sample, and g <= soonest where that came on its beat.
@@ -337,9 +339,9 @@ def fading(mutation: Mutation) -> Statement:
 
 @whole_claim("filter.band.past", each=WAYS)
 def past(mutation: Mutation, way: int) -> Statement:
-    """v - held and held - v <= what is known of what was sent before, over and under its command.
+    """v - held and held - v are at most the bounds of earlier commands' effects, above and below.
 
-    Behind an untimely sample nothing is lost of what is certain in any case.
+    After an untimely sample the bounds that hold in any case remain.
 
     Given: c >= 0; v - held <= past; v <= c (1 + 2^-29), as long as the command stays held; under
     it, the same of -v and -held.

@@ -33,7 +33,7 @@ def _sizes(a: BandAxis) -> Relations:
 @claim("filter.rounding.band-forecast", each=WAYS)
 def forecast(mutation: Mutation, way: int) -> Statement:
     """v + (to - u) S <= to + over + e + 2^-46 c and -v - (to - u) S <= -to + under + e + 2^-46 c,
-    over and under as the text computes them for the changed command.
+    with over and under as computed for the changed command.
 
     A change of the command leaves a computed forecast too low by at most 2^-46 of c.
 
@@ -74,14 +74,14 @@ def tail(mutation: Mutation) -> Statement:
     },
 )
 def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
-    """slope (to - u), or slope (u - to) of a fall that is held, <= what is left of c'' (1 + 2^-44),
-    or c' (1 + 2^-44) where 0 follows, there; of rises and falls.
+    """slope (to - u), or slope (u - to) of a fall that is held, is at most the room left of c'' (1
+    + 2^-44), or of c' (1 + 2^-44) if 0 follows; for rises and falls.
 
-    A command that is admitted by roundings is admitted without them for a hardly larger limit.
+    A command that the rounded conditions admit is admitted by the exact ones for a hardly larger
+    limit.
 
     Given: {BAND_SIZES}; inverse slope <= 1, or >= 1 and slope > 0 of a fall behind which 0 follows;
-    0 <= slope <= 10, inverse >= 1/16; to within what this condition admits, as the text computes
-    it.
+    0 <= slope <= 10, inverse >= 1/16; to within the computed limit of this condition.
     """
     a = BandStep()
     s, table = a | symbols("limit wider inverse slope"), a.table
@@ -109,10 +109,9 @@ def limit(mutation: Mutation, stops: bool, way: int) -> Statement:
 
 @claim("filter.rounding.band-beat")
 def beat(mutation: Mutation) -> Statement:
-    """-before' - e - 2^-51 T <= p' <= behind' + e + 2^-51 T, the same after the next, as the text
-    computes it.
+    """-before' - e - 2^-51 T <= p' <= behind' + e + 2^-51 T for the next sample, as computed.
 
-    What roundings add to a beat in the periods that tables reach back is far below what they allow.
+    Over the periods that tables reach back, rounding adds far less to a beat than is allowed.
 
     Given: -before - e <= p <= behind + e, the time at which a sample came, less whole periods,
     after the last one; 0 <= before, behind <= T; the next one comes 0 to 2 T after that; operations
@@ -134,7 +133,8 @@ def beat(mutation: Mutation) -> Statement:
 def stays(mutation: Mutation) -> Statement:
     """g (1 + 2^-41) <= the share that stays, as the text computes it.
 
-    However short the time since the last sample is, not too little is kept of what is past.
+    The computed remainder of earlier effects is not too small, however short the time since the
+    last sample.
 
     Given: g >= 0, g (1 + x + x^2/2) <= 1, x the rate times the time since the last sample;
     operations rounded by at most 2^-53.
@@ -149,9 +149,10 @@ def stays(mutation: Mutation) -> Statement:
 
 @claim("filter.rounding.band-fading", premises="assumption.libm filter.rounding.band-stays")
 def fading(mutation: Mutation) -> Statement:
-    """r g (1 + 2^-42) and p g, or r g alone where the sample is untimely, <= what the text keeps.
+    """r g (1 + 2^-42) and p g, or r g alone if the sample is untimely, are at most the computed
+    bounds.
 
-    What the text remembers of the past is never too little, so that nothing adds up.
+    The stored bounds of earlier effects are never too small, so errors do not accumulate.
 
     Given: 0 <= r <= reach, 0 <= p <= past; what stays of both is g >= 0, g (1 + 2^-41) <= the
     computed share, or the one of the shortest period where the sample came on its beat; operations
@@ -171,9 +172,9 @@ def fading(mutation: Mutation) -> Statement:
 
 @claim("filter.rounding.band-reached")
 def reached(mutation: Mutation) -> Statement:
-    """r + |to - u| reached <= how far the base is from its command, as the text computes it.
+    """r + |to - u| reached <= the computed bound of the distance of the base from its command.
 
-    A change of the command adds enough to what fades.
+    A change of the command increases the decaying bound by enough.
 
     Given: r >= 0, r (1 + 2^-42) <= reach; reached >= 0, reached (1 + 2^-41) <= the number in the
     tables; operations rounded by at most 2^-53.
@@ -190,9 +191,9 @@ def reached(mutation: Mutation) -> Statement:
 
 @claim("filter.rounding.band-past", each=WAYS)
 def past(mutation: Mutation, way: int) -> Statement:
-    """v - held and held - v <= what the text takes for the bounds of what is past.
+    """v - held and held - v are at most the computed bounds of earlier commands' effects.
 
-    Behind an untimely sample the text counts on no less than what is certain.
+    After an untimely sample the computed bounds are no smaller than the certain ones.
 
     Given: c > 0, |held| <= 2 c; v <= c (1 + 2^-29 - 2^-47) and v - held <= past, as long as the
     command stays held; under it, the same of -v and -held; operations rounded by at most 2^-53.

@@ -1,5 +1,5 @@
-"""The command filter on bases that overshoot, and on bases whose wheels are not alike; rims
-of a run's own base, whose loop compensates friction once per plant step.
+"""The command filter on bases that overshoot, and on bases with unequal wheels.  Also rims of a
+simulated base, whose loop compensates friction once per plant step.
 """
 
 from collections.abc import Iterable, Iterator
@@ -74,7 +74,7 @@ class Swung(Named):
         )  # fmt: skip
 
     def lines(self, command: SX, own: SX, other: SX, more: float = 1) -> Relations:
-        """What limits a command with the room ``own``, each line without a quotient."""
+        """Conditions on a command with the room ``own``, each without a quotient."""
         N, least, most = self.N, self.least, self.most
         swing = (N + if_else(own >= other, least, most)) * (own - other)
         both = N * (least + most) * command <= more * ((least + most) * other + swing)
@@ -87,7 +87,7 @@ def swung_lines(mutation: Mutation) -> Statement:
     """a >= 0, (N + most) a <= 2 U, (N - least) a <= 2 D and, if a > 0, N (least + most) a <= (least
     + most) D + (N + gain) (U - D), gain = least for U >= D and most else, a what the clip leaves.
 
-    What limits a command one way of a loop that overshoots.
+    Conditions on a command in one direction of a loop that overshoots.
 
     Given: 0 < least <= most <= N, the rooms U, D >= 0.
     """
@@ -97,10 +97,11 @@ def swung_lines(mutation: Mutation) -> Statement:
 
 @claim("filter.swung", premises="filter.swung.lines")
 def swings(mutation: Mutation) -> Statement:
-    """P a + Q b <= U, a and b what the clip leaves of the rooms U and D of both directions.
+    """P a + Q b <= U, with the clip's largest commands a and b for the rooms U and D of both
+    directions.
 
-    What a loop that overshoots is sent one way swings it the other way, too; with U and D exchanged
-    this is the other direction.
+    In a loop that overshoots, a command in one direction also causes speed in the other; with U and
+    D exchanged this is the other direction.
 
     Given: 0 < least <= most <= N, U, D >= 0; P, Q >= 0, P + Q <= N, least <= P - Q <= most.
     """
@@ -119,10 +120,10 @@ COUNTING: dict[str, object] = {
 
 @claim("filter.in-time")
 def in_time(mutation: Mutation) -> Statement:
-    """behind that one the count is as right, and the governor trusts its bounds where it is as many
-    as the commands that may act.
+    """the count is also right after the next sample, and the governor trusts its bounds if the
+    count equals the number of commands that may act.
 
-    Behind a late sample the clip acts until every command that may still act was sent in time.
+    After a late sample the clip acts until every command that may still act was punctual.
 
     Given: samples have come in time since one that did not, and the filter's count is that many, at
     most the commands that may act on either axis; the next comes in time or not.
@@ -151,14 +152,15 @@ SLOW = LINEAR | {
 
 @claim("filter.least")
 def least(mutation: Mutation) -> Statement:
-    """the command that the whole clip sends with `filter.least` is within its limit on each axis
-    and, where that is at least b, the least command that acts, it is 0 or no smaller than b; what
-    was not sent stays within b.
+    """the command that the whole clip sends with `filter.least` is within its limit on each axis.
+    If that limit is at least b, the least command that acts, the command is 0 or no smaller than b,
+    and the sum not sent stays within b.
 
-    What is sent acts, is in the mean what was asked for, and is as safe as any other command.
+    The command sent has an effect, equals the request on average, and is as safe as any other
+    command.
 
-    Given: {COMMANDS}; the limit (V - dbar)/K_max and b above 0; what was not sent of earlier
-    commands within b, their way 1, -1 or 0; v and omega each by its own factor.
+    Given: {COMMANDS}; the limit (V - dbar)/K_max and b above 0; the unsent sum of earlier commands
+    within b, their sign 1, -1 or 0; v and omega each by its own factor.
     """
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)
@@ -213,11 +215,11 @@ def pushed(g: EffectGraph) -> tuple[SX, Symbols]:
 
 @kick_claim("filter.held-push", each=BOTH_AXES)
 def held_push(mutation: Mutation, axis: int) -> Statement:
-    """h (F + push - F1(v))/M = (1 - e)(K u + d - v) on each axis, F the force that the graph of
-    the first-order loop gives for the command u + error, d the speed that counts for push and
+    """h (F + push - F1(v))/M = (1 - e)(K u + d - v) on each axis, with F the force of the
+    first-order loop's graph for the command u + error, and d the equivalent speed of push and
     error.
 
-    What filter.d has to cover: the speed at which pushes and errors of the command alone end.
+    The speed that filter.d has to cover: the steady speed due to pushes and command errors alone.
 
     Given: m, I, r, l, v_s, h, tau > 0, e = exp(-h/tau) < 1; no wheel at its torque limit.
     """
@@ -294,11 +296,11 @@ TANH = (
     premises="filter.held-push",
 )
 def held_friction(mutation: Mutation) -> Statement:
-    """v1 goes in a Runge-Kutta step h of the plant by at least a share 1 - x/2 of h (F -
-    F1(v1))/m, by at least none and at most all of it, x = h times F1's slope at rest over m.
+    """in a Runge-Kutta step h of the plant v1 changes by at least a share 1 - x/2 of h (F -
+    F1(v1))/m, by a share between 0 and 1 in any case; x = h times F1's slope at rest over m.
 
-    Friction that changes within a plant step makes v slower, no slower than a time constant tau'
-    with exp(-h/tau') = 1 - (1 - exp(-h/tau))(1 - x/2), and throws it nowhere. Backwards by
+    Friction that changes within a plant step slows v, by no more than a time constant tau' with
+    exp(-h/tau') = 1 - (1 - exp(-h/tau))(1 - x/2), and never makes it overshoot.  Backwards by
     symmetry.
     """
     s = HeldStep(behind=False)
@@ -313,11 +315,11 @@ def held_friction(mutation: Mutation) -> Statement:
     "filter.held-kick", given=TANH.format("2", "each of stages and v1 behind to each other")
 )
 def held_kick(mutation: Mutation) -> Statement:
-    """v1 goes in a Runge-Kutta step h of the plant less far than h (F - F1(v1))/m, by at most h/m
-    times the rise of F1 from the step's start to its end.
+    """in a Runge-Kutta step h of the plant v1 changes by less than h (F - F1(v1))/m; the difference
+    is at most h/m times the rise of F1 from the step's start to its end.
 
-    Friction held over steps takes v off its loop's way by no more, in all, than h times its range
-    while v nears a command from one side. Backwards by symmetry.
+    While v approaches a command from one side, friction held over steps causes a total deviation of
+    v from its loop of at most h times friction's range.  Backwards by symmetry.
     """
     s = HeldStep(behind=True)
     most = mutation(1, 0.9) * s.h * (s.friction(s.after) - s.friction(s.v)) / s.m
@@ -332,7 +334,7 @@ def held_kick(mutation: Mutation) -> Statement:
 class Command(Named):
     """A rim of a first-order base while one command acts, with the effect of friction.
 
-    ``gone`` is the share of its way that the loop has covered. Friction causes at most the
+    ``gone`` is the share of its change that the loop has made.  Friction causes at most the
     deviation ``kick``, of which it may still cause ``credit`` at the start and ``left`` now.
     """
 
@@ -352,25 +354,26 @@ class Command(Named):
         )  # fmt: skip
 
     def reached(self, start: SX, push: SX, gone: SX) -> SX:
-        """Speed after the loop has covered the share ``gone`` of its way."""
+        """Speed after the loop has made the share ``gone`` of its change."""
         return (1 - gone) * start + gone * (self.K_max * self.asked + push)
 
 
 @kick_claim("filter.held-rim", premises="filter.held-kick")
 def held_rim(mutation: Mutation) -> Statement:
-    """where v falls towards the command, the rim stays within V by what friction may still lead to;
-    where it does not, within V, and from the shortest time of a command on by all that friction may
-    lead to. From then on what the governor carries from one takeover, or from V or odometry in
-    between, to the next bounds the rim's speed there, of odometry that may be off by what friction
-    leads to, too.
+    """if v falls towards the command, the rim stays within V with a margin for the deviation that
+    friction may still cause.  Otherwise it stays within V, and from the shortest time of a command
+    on with a margin for all that friction may cause.  From then on the governor's propagated bound,
+    from a takeover, from V or from odometry, bounds the rim's speed at the next takeover, also if
+    odometry has the error that friction causes.
 
-    What friction took from v's way at a rim it cannot take again before v has risen, and there it
-    only holds the rim back. The governor's bound is right wherever it counts, though not within the
-    time of a command.
+    A deviation that friction has caused at a rim cannot occur again before v has risen, and then
+    friction only slows the rim.  The governor's bound is right at every takeover, though not within
+    the time of a command.
 
-    Given: a command within the governor's, with kappa = 0 the clip's, whose push is d and what is
-    for friction; it acts while the loop goes at most what kappa counts on; the speed at the start
-    within the bound that the governor counts on and, by what friction may still lead to, within V.
+    Given: a command within the governor's limit (the clip's for kappa = 0), whose push is d plus
+    the part for friction; it acts for at most the time that kappa assumes; the speed at the start
+    is within the bound that the governor uses and within V, with a margin for the deviation that
+    friction may still cause.
     """
     t = Command(mutation)
     true, enough = t.reached(t.start, t.d, t.gone), t.gone >= t.gone_least
@@ -385,14 +388,14 @@ def held_rim(mutation: Mutation) -> Statement:
 
 @kick_claim("filter.held-share", premises="filter.held-friction filter.held-push filter.clip")
 def held_share(mutation: Mutation) -> Statement:
-    """|v|, |v + l omega| and |v - l omega| keep V and W behind the step, d the push that counts for
-    x and V.
+    """|v|, |v + l omega| and |v - l omega| stay within V and W after the step, with d the push
+    equivalent to x and V.
 
     Behind a clip a wheel that stops for a turn keeps its limit although friction holds back v.
 
     Given: l, V, W > 0; 0 <= x <= 2, 0 <= q <= 1; |v| <= V and |v + l omega|, |v - l omega| <= W,
-    and the same, less d, of the speeds to which command and pushes lead; of q times its way v goes
-    a share from 1 - x/2 to 1, and omega all.
+    and the steady speeds of command and pushes are within these less d; v covers a share from 1 -
+    x/2 to 1 of q times its change, and omega all of it.
     """
     t = symbols("v omega to turn_to share held q V W l", "held V W l")
     d = held_loop.push_of_share(2 * mutation(1, 0.9) * t.held, t.V)  # x/2 is held

@@ -1,10 +1,10 @@
-"""Rounding of the command filter: clip and governor as the compiled text computes them,
-and commands brought inside all limits, at once or slowly.
+"""Rounding of the command filter: computed limits of clip and governor, and computed commands
+within all limits, with and without a slew limit.
 
 A computed number is any result of rounding each operation by at most 2^-53 of it (`rounded`), an
-exponential by at most 2^-49. V is the limit that the text aims at, the stated one less 2^-26: the
-speed stays within V (1 + 2^-28).  F is the free way from which on one limits no command: 2^-26 F is
-kept back of it.
+exponential by at most 2^-49.  V is the limit that the text aims at, the stated one less 2^-26: the
+speed stays within V (1 + 2^-28).  F is the free distance from which on no command is limited; 2^-26
+F is reserved for rounding.
 """
 
 from typing import Any
@@ -77,7 +77,7 @@ def clip(mutation: Mutation) -> Statement:
     """(K_max hi + dbar) (1 + 2^-46) <= V for the hi that the clip's text computes, by a quotient
     or by 1/K_max.
 
-    What the clip sends keeps the stated limit to the last bit.
+    The clip's commands keep the stated limit to the last bit.
 
     Given: {INTERVALS}; V the stated limit; operations rounded by at most 2^-53.
     """
@@ -93,7 +93,7 @@ def clip(mutation: Mutation) -> Statement:
 def target(mutation: Mutation) -> Statement:
     """the computed drive(u) misses K u + dbar by at most 2^-51 (|drive(u) - dbar| + dbar).
 
-    The speed towards which a command drives the base is computed well enough.
+    The steady speed of a command is computed accurately enough.
 
     Given: {INTERVALS}; operations rounded by at most 2^-53.
     """
@@ -107,7 +107,7 @@ def target(mutation: Mutation) -> Statement:
 def carried_on(mutation: Mutation) -> Statement:
     """the computed relaxed(w, target) misses w + share (target - w) by at most 2^-48 V.
 
-    What is carried from sample to sample is computed well enough.
+    The propagated bound is computed accurately enough.
 
     Given: |w| <= 2 V, 0 <= share <= 2, |share (target - w)| <= 8 V; operations rounded by at most
     2^-53.
@@ -127,7 +127,7 @@ def carried_on(mutation: Mutation) -> Statement:
 def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
     """v + share (mean - v) <= relaxed(w, target) - 2^-48 V + (1 - least) e + 2^-44 V.
 
-    However short a piece of time is, the speed gains on its computed bound by at most 2^-44 of V.
+    In any piece of time, however short, the computed bound becomes too small by at most 2^-44 V.
 
     Given: w + e >= v, the speed; w, the computed bound; mean <= target + d, most d <= 2^-48 V, most
     |target| <= 4 V; 0 <= least <= share <= most <= 1, the computed shares within 2^-49 of least and
@@ -156,7 +156,7 @@ def takeover(mutation: Mutation) -> Statement:
     """e v + (1 - e) mean <= V (1 + 2^-28) for the hi that the governor's text computes, by
     quotients or by 1/K_max.
 
-    From a bound that was carried through n pieces of time, too, the computed limit keeps the speed.
+    The computed limit also keeps the speed if its bound was propagated through n pieces of time.
 
     Given: {INTERVALS}; w + (2^-28 + 2 n 2^-44) V >= v, the speed; w, the computed bound, from -2 V
     to V; mean = K_max hi + dbar + d at most, (1 - e) d <= 2^-45 V; 1 <= n; e = exp(-H/tau_min) <= 1
@@ -183,7 +183,7 @@ def rim(mutation: Mutation) -> Statement:
     """the computed drive(v + l omega) misses its own by at most 2^-50 (K_max (|v| + l |omega|) +
     dbar).
 
-    The speed towards which a command drives a wheel is computed well enough.
+    The steady speed of a wheel under a command is computed accurately enough.
 
     Given: {INTERVALS}; l > 0; operations rounded by at most 2^-53.
     """
@@ -200,10 +200,10 @@ LOOKED_BACK = governor.Schedule(delay=(0.3, 0.7), losses=1, jitter=0.1, age=1.2)
 
 @claim("filter.rounding.rest")
 def rest(mutation: Mutation) -> Statement:
-    """of a piece from start to end, what is left at -age misses end + age by at most 2^-52 age, as
-    computed; where it is taken as over or as whole, it is to within 2^-52 age.
+    """the remaining time of a piece at -age, as computed, differs from end + age by at most 2^-52
+    age; if the piece is treated as over or as whole, the error is at most 2^-52 age.
 
-    Older odometry divides a piece of time at the right instant but for roundings.
+    Older odometry divides a piece of time at the right instant, except for rounding.
 
     Given: T > 0; 0 <= age <= 1.2 T, odometry's age; pieces of an example's schedule; operations
     rounded by at most 2^-53.
@@ -230,7 +230,7 @@ def rest(mutation: Mutation) -> Statement:
 def odometry(mutation: Mutation) -> Statement:
     """v <= min(y + nbar, V) + 2^-28 V, the sum as computed.
 
-    A bound from odometry is too low by no more than a carried one.
+    A bound from odometry is too small by no more than a propagated one.
 
     Given: v <= y + nbar, |v| <= V (1 + 2^-28); operations rounded by at most 2^-53.
     """
@@ -245,8 +245,8 @@ def odometry(mutation: Mutation) -> Statement:
 def agrees(mutation: Mutation) -> Statement:
     """above + below >= -2^-15 V, as computed.
 
-    Roundings alone never make odometry contradict the stated bounds, even where all of them are met
-    to the last bit.
+    Rounding alone never makes odometry contradict the stated bounds, even if all of them are only
+    just met.
 
     Given: v <= above + (2^-28 + n 2^-44) V, -v <= below + (2^-28 + n 2^-44) V, above and below as
     computed and at most V; n <= 2^16; operations rounded by at most 2^-53.
@@ -263,7 +263,7 @@ def agrees(mutation: Mutation) -> Statement:
 def way(mutation: Mutation) -> Statement:
     """x <= farthest(w, m, t) + 1.25 2^-27 V t.
 
-    In a piece of time the base goes hardly farther than computed.
+    In a piece of time the base moves hardly farther than computed.
 
     Given: v <= w + 2^-27 V, |w| and |m| <= 4 V; 0 <= A_least <= A <= A_most <= t, both computed to
     within 2^-49; x <= m t + (v - m) A; operations rounded by at most 2^-53.
@@ -295,7 +295,7 @@ class Line(Stop[SX]):
 def line(mutation: Mutation) -> Statement:
     """the computed s and r miss D - A + A_B q and A + A_B (1 - q) by at most 2^-46 (D + A_B).
 
-    The line by which a distance limits a command is computed well enough.
+    The line that limits a command by a distance is computed accurately enough.
 
     Given: 0 <= q <= 1, 0 <= A = tau q <= D, 0 <= A_B; q computed to within 2^-49; operations
     rounded by at most 2^-53.
@@ -317,7 +317,7 @@ def line(mutation: Mutation) -> Statement:
 def command(mutation: Mutation) -> Statement:
     """way + r max(speed, d) + (K_max u + d) s <= room + 2^-46 F.
 
-    A computed command keeps its line but for roundings.
+    A computed command satisfies its line, except for rounding.
 
     Given: 0 < s; 0 <= r, d, speed; way, r max(speed, d) <= F; |room| <= 4 F, all as computed; 0 <=
     u <= hi; operations rounded by at most 2^-53.
@@ -339,7 +339,7 @@ def command(mutation: Mutation) -> Statement:
 def ramp(mutation: Mutation) -> Statement:
     """w h + w^2/(2 A) <= (1 + 2^-48) room, w = K u.
 
-    A base that slows down by A stops within its room but for roundings of the command.
+    A base that slows down by A stops within its room, except for rounding of the command.
 
     Given: 0 < K, A, h; 0 <= room; 0 <= u <= hi; operations rounded by at most 2^-53.
     """
@@ -424,8 +424,8 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
     omega <= hi + e M, each where it is limited: e = 2^-49 for wheels that are limited by themselves
     and one factor, 2^-48 where omega or v goes first, whatever else is limited.
 
-    v and omega keep their limits to the last bit, whichever goes first, and wheels keep theirs
-    however v and l omega cancel.
+    v and omega keep their limits to the last bit, whichever has priority, and wheels keep theirs
+    for any cancellation of v and l omega.
 
     Given: {SCALED_GIVEN} of v and omega, of the wheels, or of all, those of the wheels of at most M
     in size; {ROUNDED}.
@@ -460,8 +460,7 @@ def beside_cut(mutation: Mutation) -> Statement:
     """lo <= v, omega <= hi; lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the
     command that is sent.
 
-    v and omega that are cut at their limits take the wheels no further beyond theirs than
-    roundings.
+    Clipping v and omega at their limits moves the wheels beyond theirs by rounding only.
 
     Given: {BESIDE}; v and omega before they are cut as in filter.rounding.beside.
     """
@@ -474,10 +473,10 @@ def beside_cut(mutation: Mutation) -> Statement:
 
 @command_claim("filter.rounding.slew-limit")
 def slew_limit(mutation: Mutation) -> Statement:
-    """K hi (1 + 2^-29) + delta + a (1 + 2^-30) reach <= V for the hi that the text of the clip of
-    slow commands computes, by a quotient or by 1/K.
+    """K hi (1 + 2^-29) + delta + a (1 + 2^-30) reach <= V for the hi that the text of the clip with
+    slew computes, by a quotient or by 1/K.
 
-    The margin covers what rounding adds to commands and to how fast they change.
+    The margin covers the effect of rounding on commands and on their rate of change.
 
     Given: K > 0, delta, a, reach >= 0; V the stated limit; operations rounded by at most 2^-53.
     """
@@ -502,7 +501,7 @@ def _slow(s: Symbols) -> Relations:
 def slew_kept(mutation: Mutation) -> Statement:
     """|u| <= hi (1 + 2^-29), u as the text computes it.
 
-    Rounding carries commands that change slowly no further beyond their limit with time.
+    The excess of slowly changing commands due to rounding does not grow with time.
 
     Given: |wanted| <= hi (1 + 2^-50); the command before within hi (1 + 2^-29); 2^-22 <= share <=
     1; operations rounded by at most 2^-53.
@@ -517,7 +516,7 @@ def slew_kept(mutation: Mutation) -> Statement:
 def slew_step(mutation: Mutation) -> Statement:
     """|u - u_before| <= a T (1 + 2^-30), the axis' own share >= 2^-22, as the text computes them.
 
-    Commands change no faster than the clip of slow commands counts on.
+    Commands change no faster than the clip with slew assumes.
 
     Given: as in filter.rounding.slew-kept; a T >= 2^-20 hi; 0 <= share <= the axis' own share.
     """

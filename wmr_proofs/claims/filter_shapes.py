@@ -1,7 +1,8 @@
-"""The command filter's graphs in the shapes that other entries leave out.
+"""The command filter's graphs in variants that other entries do not cover.
 
-Limits of wheels, in place of those of v and omega or beside them; every way to scale; samples that
-jitter, commands that are lost or held.  Each entry is about all scales, sides or axes of its shape.
+Limits of wheels, in place of those of v and omega or beside them; every way to scale; samples with
+jitter, commands that are lost or held.  Each entry is about all scales, sides or axes of its
+variant.
 """
 
 from typing import TypeAlias
@@ -77,8 +78,8 @@ def _arms(channels: list[Channel]) -> Relations:
 
 @claim("filter.sent.{key}", premises="filter.limits", over=SHAPES)
 def sent(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statement:
-    """of the command that the whole governor sends, each limited speed is at most the step's limit,
-    either way, whatever both axes are asked for: {limited}.
+    """in the command that the whole governor sends, each limited speed is at most the step's limit,
+    in both directions and for any request: {limited}.
 
     Nothing bypasses the filter, whichever speeds it limits and however it scales.
 
@@ -109,7 +110,8 @@ def sent_clip(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statem
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the whole clip sends to
     first-order loops or linear ones: {limited}; where no wheel is limited, by one factor as well.
 
-    Whatever is asked for, commands stay within what the loop's gain admits, at the wheels as well.
+    For any request, commands stay within the range that the loop's gain admits, at the wheels as
+    well.
 
     Given: {COMMANDS}; l > 0; (V - dbar)/K_max > 0 of each speed, V less 2^-26 of it, N and delta in
     the places of K_max and dbar where loops are linear.
@@ -144,8 +146,8 @@ def sent_clip(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statem
 )
 def clip_step(mutation: Mutation, more: Keys, scale: str) -> Statement:
     """|w| <= V at a sample implies |E w + (1 - E) mean| <= V up to the next one, which is |w| <= V
-    again, w each limited speed, whatever the whole clip is asked for: v and omega, both wheels, or
-    all of these, in each way to scale but one factor beside wheels.
+    again, w each limited speed, for any request: v and omega, both wheels, or all of these, with
+    each way to scale except one factor beside wheels.
 
     A step of the induction over samples (filter.mean). The memoryless clip (V - dbar)/K_max keeps
     the limit without odometry and time constants.
@@ -168,10 +170,10 @@ def clip_step(mutation: Mutation, more: Keys, scale: str) -> Statement:
 @claim("filter.slew-sent.together")
 def slew_together(mutation: Mutation) -> Statement:
     """|u| <= c and |u - u_before| <= a t on both axes, 0 <= t <= T the time since the sample
-    before, u what the whole clip of slow commands sends, both axes by one factor, each by its own
-    or one first.
+    before, u the command that the whole clip with slew sends, with one factor for both axes, one
+    for each, or one axis first.
 
-    Commands stay within their limit and change no faster than stated, whatever is asked for.
+    Commands stay within their limit and change no faster than stated, for any request.
 
     Given: {COMMANDS}, at any time; parameters that are sound, a, T > 0, c = (V (1 - 2^-26) - delta
     - a reach)/K_max > 0; the command before within c.
@@ -206,13 +208,13 @@ BANDS = (
 
 @claim("filter.band.sent.{key}", over=BANDS)
 def band_sent(mutation: Mutation, shapes: tuple[Keys, ...]) -> Statement:
-    """u_before - fall <= u <= u_before + rise and |u| <= the largest command behind which 0 may
-    follow, u what the whole band sends on either axis; of loops: {loops}.
+    """u_before - fall <= u <= u_before + rise and |u| <= the largest command that 0 may follow,
+    with the command u that the whole band sends on either axis; for loops: {loops}.
 
     Nothing bypasses the filter: no command and no scaling of the other axis.
 
-    Given: {COMMANDS}, at any time, parameters that are sound; 0 is between what a fall and a rise
-    are admitted, and 0 <= the largest command behind which 0 may follow.
+    Given: {COMMANDS}, at any time, parameters that are sound; 0 is within the admitted fall and
+    rise, and 0 <= the largest command that 0 may follow.
     """
     table, cuts = Symbols(), Cuts()
     goals, given = Group(), Group()
@@ -253,12 +255,12 @@ def rims(mutation: Mutation, more: Keys, side: int, wheel: int) -> Statement:
     every command u that the whole filter admits to the wheel, w = v +- l omega and W = {which} (1 -
     2^-26); {what}.
 
-    The limit of a wheel counts pushes and errors of both axes.
+    The limit of a wheel includes pushes and errors of both axes.
 
     Given: any odometry within nbar of v and omega, or none, any time since the last sample; the
-    bounds that were kept hold if that is a period; w within W; no delay, jitter or losses, H = T;
-    l, T > 0, 0 < tau_min <= tau_max; 0 < K_min <= K <= K_max, |d_v| + l |d_omega| <= dbar_v + l
-    dbar_omega < W, each within its own; u at most the step's limit (filter.sent.{key}).
+    stored bounds hold if that is a period; w within W; no delay, jitter or losses, H = T; l, T > 0,
+    0 < tau_min <= tau_max; 0 < K_min <= K <= K_max, |d_v| + l |d_omega| <= dbar_v + l dbar_omega <
+    W, each within its own; u at most the step's limit (filter.sent.{key}).
     """
     graph, way = governor(more), WAYS[side]
     f = symbols("v1 v2 u K d1 d2 E kappa gone")
@@ -307,13 +309,14 @@ TIMES: tuple[Keys, ...] = (
 @claim("filter.assembled.{key}", premises="filter.sent", over=TIMES)
 def assembled(mutation: Mutation, more: Keys) -> Statement:
     """either axis, either way: E v + (1 - E) mean <= V behind every command u that the whole filter
-    admits, mean at most what u or, once the base has stopped, pushes alone lead to; H = {H}.
+    admits, mean at most the steady speed of u or, once the base has stopped, of pushes alone; H =
+    {H}.
 
-    A command may act for longer than a period, and the filter counts on that.
+    A command may act for longer than a period, and the filter takes that into account.
 
-    Given: any odometry within nbar, or none, any time since the last sample; the bounds that were
-    kept hold where every command that may act was sent in time; |v| <= V; T > 0, 0 < tau_min <=
-    tau_max; {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit.
+    Given: any odometry within nbar, or none, any time since the last sample; the stored bounds hold
+    where every command that may act was sent in time; |v| <= V; T > 0, 0 < tau_min <= tau_max;
+    {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit.
     """
     graph = governor(more)
     table, cuts = elements_of(*ports_of(graph.system)), Cuts()

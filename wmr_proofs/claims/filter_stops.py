@@ -1,7 +1,7 @@
-"""Limits that change, and stops before what is in the way, of one side of one axis.
+"""Changing limits, and stops before obstacles, on one side of one axis.
 
-E is the share of the old speed that is left, e1 and e2 its least (tau_min, the longest time) and
-its largest (tau_max, the least time), A a way for each m/s of a speed that fades.
+E is the remaining share of the old speed; e1 and e2 are its least (tau_min, the longest time) and
+its largest value (tau_max, the least time).  A is the distance per m/s of a decaying speed.
 """
 
 from casadi import SX, fmax, fmin, if_else
@@ -53,7 +53,7 @@ class Lowered(Named):
 def enters(mutation: Mutation) -> Statement:
     """E v + (1 - E) mean <= max(V, d + E (v_bar - d)), and <= v_bar.
 
-    Above a limit the base is inside no later than a stop would bring it there.
+    A base above a limit is within it no later than a stop would bring it there.
 
     Given: {LOWERED}; V < v_bar, u <= hi, mean <= drive(u).
     """
@@ -79,7 +79,7 @@ def inside(mutation: Mutation) -> Statement:
 def no_larger(mutation: Mutation) -> Statement:
     """e2 v_bar + (1 - e2)(K_max u + d) > max(V, d + e2 (v_bar - d)).
 
-    A larger command leaves the slowest base outside for longer than a stop.
+    Under a larger command the slowest base stays above the limit for longer than in a stop.
 
     Given: {LOWERED}; d < V <= v_bar, hi < u.
     """
@@ -106,7 +106,7 @@ def brake(mutation: Mutation) -> Statement:
 def way(mutation: Mutation) -> Statement:
     """x <= farthest(w, m, t).
 
-    The way in a piece of time is bounded by one of both time constants.
+    One of the two extreme time constants bounds the distance in a piece of time.
 
     Given: 0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A.
     """
@@ -139,7 +139,7 @@ class Plan(Named):
         )  # fmt: skip
 
     def needed(self, k: int, m: SX) -> SX:
-        """Way of the whole plan by one end of tau."""
+        """Distance of the whole plan for one end of tau."""
         t = self.symbols
         D = t.acts + t.last
         end = t.w + (m - t.w) * self.shares[k]
@@ -147,7 +147,7 @@ class Plan(Named):
         return own + self.fading * (end - t.push) + t.push * t.rest
 
     def most(self, mutation: Mutation) -> SX:
-        """Largest steady speed that the free way admits."""
+        """Largest steady speed that the free distance admits."""
         return self.stop.steady(mutation(1, 1.01) * self.free, [self.at])
 
 
@@ -155,7 +155,7 @@ class Plan(Named):
 def plan(mutation: Mutation) -> Statement:
     """m D + (w - m) A + A_B (w + (m - w) q - d) + d B <= free, for both ends of tau.
 
-    A command that the graph admits leaves a way that is free, whichever end of tau is true.
+    A command that the graph admits stops within the free distance for either end of tau.
 
     Given: tau_min <= tau_max, 0 <= d <= w; m <= steady(free), the largest steady speed.
     """
@@ -166,9 +166,9 @@ def plan(mutation: Mutation) -> Statement:
 
 @claim("filter.free.real")
 def real(mutation: Mutation) -> Statement:
-    """x_2 + x_3 <= the larger of both ways m D + (w - m) A + A_B (w + (m - w) q - d) + d B.
+    """x_2 + x_3 <= the larger of both distances m D + (w - m) A + A_B (w + (m - w) q - d) + d B.
 
-    The way of the true base is at most that of one end of tau.
+    The distance of the true base is at most that for one end of tau.
 
     Given: d <= m; A and q of the true tau between those of its ends, v <= w; x_2 and v_3: way and
     speed under the command, x_3: during the rest.
@@ -192,7 +192,7 @@ def real(mutation: Mutation) -> Statement:
 
 @claim("filter.free.necessary")
 def necessary(mutation: Mutation) -> Statement:
-    """The way of one end of tau is beyond the free one.
+    """The distance for one end of tau exceeds the free one.
 
     No larger command stops every base in time.
 
@@ -205,7 +205,7 @@ def necessary(mutation: Mutation) -> Statement:
 
 
 def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[SX], list[Relations]]:
-    """Symbols of a base that is let go: way, speed at its start, and what that fades to."""
+    """Symbols of a released base: distance, speed at its start, and decayed speed."""
     t = symbols("tau_1 tau_2 push rest x_1 x_2 x_3 v_3 w a_B free target pull h q a")
     stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, SX(0), SX(0), SX(0))
     least = stop.quick
@@ -221,7 +221,7 @@ def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[SX], list[Relations]]:
 def roll(mutation: Mutation) -> Statement:
     """x_3 <= d (B - A(B; tau_min)).
 
-    One release of a command away rolls at most so far.
+    Largest roll after one release of a command away.
 
     Given: 0 <= d, v_3 <= 0, A(B; tau_min) <= a_B <= B; x_3 <= d B + (v_3 - d) a_B.
     """
@@ -233,7 +233,7 @@ def roll(mutation: Mutation) -> Statement:
 def retreat(mutation: Mutation) -> Statement:
     """x_1 + x_2 + x_3 <= free, and x_1 + x_2 <= free.
 
-    A command away that its distance certifies rolls no farther than is free.
+    A command away that the distance admits rolls no farther than the free distance.
 
     Given: v_3 <= max(w, target) <= 0, x_1 <= way before, x_2 <= 0; x_3 <= d B + (v_3 - d) a_B;
     retreat(...) <= free.
@@ -270,7 +270,7 @@ def hold(mutation: Mutation) -> Statement:
 def away(mutation: Mutation) -> Statement:
     """K u + push <= 0; E v + (1 - E)(K u + push) <= 0; (K u + push) t + (v - K u - push) A <= 0.
 
-    From rest a command away creeps nothing while it acts, whatever pushes.
+    From rest the base does not creep back under a command away, for any push.
 
     Given: 0 < K_min <= K, |push| <= d; u <= -d/K_min; v <= 0, 0 <= E <= 1, 0 <= A <= t.
     """
@@ -290,7 +290,7 @@ def away(mutation: Mutation) -> Statement:
 def ramp(mutation: Mutation) -> Statement:
     """m h + m^2/(2 A) <= room.
 
-    A base that slows down by A stops within the room that it has.
+    A base that slows down by A stops within its room.
 
     Given: 0 < A, h; 0 <= room; 0 <= m <= stopping_speed(room).
     """
