@@ -180,7 +180,7 @@ class Assembled(Named):
             yield self.told["d_least"][axis] == known
 
     def slow_drives(self) -> list[SX]:
-        """Conditions for the drives to be no slower, no earlier and no more variable than assumed."""
+        """Conditions that the drives are no slower, earlier or more variable than assumed."""
         p, T, near = self.p, self.p["clock.control"], 1 + 2.0**-44
         delay, lag, spread = (p.get(f"actuator.{key}", 0) for key in ("delay", "lag", "lag_spread"))
         (least, most), (fast, slow) = map(pair_of, (self.setup.guard.delay, self.setup.guard.lag))

@@ -1,7 +1,8 @@
-"""Ours: near the limit law (9) resists nothing, so its velocity error has no gain of a disturbance.
+"""Ours: near the limit law (9) resists no disturbance, so its velocity error has no finite gain
+from one.
 
 For every bound D > 0 of the disturbing force there is a velocity v* < v_u1 from which a constant D
-drives the robot over its limit, v_c0 held and the model exact:
+drives the robot over its limit, with constant v_c0 and an exact model:
 
     v* = v_u1 - delta g^2,    1/g = 3 + 2 delta B + (rho M/D) (8 delta + B),
     delta = v_u1 - v_u2,      B = v_u1 + |v_c0|
@@ -76,7 +77,9 @@ INNER = "quotient q w cdot"
 
 
 def held_back() -> list[Point]:
-    """d_max and where it is met, at v_c0 = 0 to 20; the sampled settings at 0 and the largest."""
+    """d_max and the velocity at which it is reached, for v_c0 = 0 to 20; the sampled settings for
+    v_c0 = 0 and the largest.
+    """
     found = []
     for n in AXES:
         for c in map(float, range(21)):
@@ -172,7 +175,7 @@ def gain_closed(mutation: Mutation, form: type[Axis]) -> Statement:
 
 @claim("gain.cover")
 def covered(mutation: Mutation) -> Statement:
-    """the chart of gain.fades and gain.closed runs through all of [v*, v_u1).
+    """the chart of gain.fades and gain.closed covers all of [v*, v_u1).
 
     Nothing was left out.
 
@@ -235,11 +238,12 @@ def gain_none(mutation: Mutation, form: str) -> Statement:
     premises="authority.lower-linear authority.lower-angular",
 )
 def levels(mutation: Mutation) -> Statement:
-    """v* of D/M = d_max lies beyond the velocity at which d_max is held back, for v_c0 = 0, 1, ...,
-    20 on both axes, and v* of each sampled setting (sampled.*) beyond its level.
+    """v* for D/M = d_max is larger than the velocity at which the law withstands d_max, for v_c0 =
+    0, 1, ..., 20 on both axes, and v* for each sampled setting (sampled.*) is larger than its
+    level.
 
-    What the barrier withstands from below and what it gives way to from v* on do not contradict
-    each other.
+    The two results do not contradict each other: the disturbance withstood from below, and the one
+    that wins from v* on.
 
     Given: paper limits and gains.
     """

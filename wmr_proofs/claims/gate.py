@@ -30,7 +30,8 @@ claim = Claims()
 class GateStep:
     """Symbols of a step of the gate before a clip, and the command that leaves it (``sent``).
 
-    ``gone``: the time in which a command may change [s]; ``timed`` says which one that is.
+    ``gone``: the time in which a command may change [s]; ``timed`` are the hypotheses that define
+    it.
     """
 
     def __init__(self) -> None:
@@ -90,7 +91,7 @@ def inside(mutation: Mutation) -> Statement:
 def stop(mutation: Mutation) -> Statement:
     """sent_i = 0.
 
-    A stop sends 0 at once, not a ramp.
+    A stop sends 0 immediately, without a ramp.
 
     Given: {SOUND}; stop > 0.
     """
@@ -116,7 +117,7 @@ def stale(mutation: Mutation) -> Statement:
 def latched(mutation: Mutation) -> Statement:
     """|sent_i| <= max(|last_i| - fall_i t, 0), and the step after is latched as well.
 
-    What was stopped stays stopped until a reset.
+    After a stop the base stays stopped until a reset.
 
     Given: {SOUND}; {GONE}; latched > 0, reset <= 0.
     """
@@ -129,9 +130,9 @@ def latched(mutation: Mutation) -> Statement:
 def rise(mutation: Mutation) -> Statement:
     """|sent_i| <= |last_i| + rise_i t.
 
-    No command speeds the base up faster than is stated.
+    No command speeds the base up faster than stated.
 
-    Given: {SOUND}; {GONE}; whatever command the ramp leads to.
+    Given: {SOUND}; {GONE}; any command at the end of the ramp.
     """
     g = GateStep()
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.gone for i in AXES]
@@ -143,7 +144,7 @@ def rise(mutation: Mutation) -> Statement:
 def inside_shapes(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statement:
     """|w| <= (V - dbar)/K_max, w each limited speed of the command that the gate sends: {limited}.
 
-    The gate sends what the clip could have sent, whichever speeds that limits.
+    The gate sends a command that the clip could have sent, for any choice of limited speeds.
 
     Given: a gate with its default times and ramps before a clip of first-order loops; l > 0; (V -
     dbar)/K_max > 0 of each speed; every real input of any size, any time since the last step.
@@ -187,7 +188,8 @@ class BehindGovernor:
 def before_governor(mutation: Mutation) -> Statement:
     """sent_i is at most the governor's limit of the step, either way.
 
-    Before a governor, too, the gate sends only what the filter could have sent (filter.sent-*).
+    Before a governor, too, the gate sends only commands that the filter could have sent
+    (filter.sent-*).
 
     Given: a gate with its default times and ramps before a governor of v and omega, one factor; the
     governor's four limits above 0 (filter.limits); every real input of any size, any time since the

@@ -30,7 +30,7 @@ def axes(mutation: Mutation) -> Statement:
     """guarded(F, y)_i = clip of F_i at y_i with the bounds of axis i, and the safe point likewise,
     i = 1, 2.
 
-    What is proved for one axis holds for both.
+    Results for one axis hold for both.
 
     Given: T > 0.
     """
@@ -69,10 +69,10 @@ def simulated(mutation: Mutation) -> Statement:
     """one Runge-Kutta step h of the plant ends at v1 <= max(v1 + h max(F, 0)/m, h (|F| + 2 mu m
     g)/m), F the sum of all pushes; omega ends at omega + h N/I.
 
-    The simulated robot does not outrun the comparison that the guard relies on, except at speeds
-    that friction alone reverses within a step. This is over the real numbers: the step's own
-    rounding, some units in the last place of v a step, is not counted, so the simulated v may pass
-    u1 by that much.
+    The simulated robot is never faster than the comparison that the guard relies on, except at
+    speeds that friction alone reverses within a step.  This is over the real numbers: the step's
+    own rounding, some units in the last place of v a step, is not included, so the simulated v may
+    exceed u1 by that much.
 
     Given: every mu >= 0, m, I, r, l, g, v_s, h > 0, all inputs.
     """
@@ -95,7 +95,7 @@ def not_blamed(mutation: Mutation) -> Statement:
     """d_least is at most the mean disturbance of the sample in the direction of motion, or 0,
     driving forwards or backwards.
 
-    The monitor reports bounds as broken only where they are.
+    The monitor reports only bounds that are really violated.
 
     Given: {NUMBERS_FREE}; M_min <= M <= M_max; push of either sign; both velocities measured to
     within nbar, and beyond nbar on the same side; friction against the motion.
@@ -115,7 +115,7 @@ def not_blamed(mutation: Mutation) -> Statement:
 def quiet(mutation: Mutation) -> Statement:
     """d_least = 0 where the measured velocities are not both beyond nbar on the same side.
 
-    At rest and at a change of direction it reports nothing.
+    At rest and at a change of direction the monitor reports nothing.
 
     Given: any bounds with T, M_min > 0, nbar >= 0.
     """
@@ -130,7 +130,7 @@ def quiet(mutation: Mutation) -> Statement:
 def sharp(mutation: Mutation) -> Statement:
     """d_least is the push of the sample, forwards and backwards.
 
-    Where nothing is uncertain the monitor measures the disturbance.
+    Without uncertainty the monitor measures the disturbance.
 
     Given: T > 0, nbar = 0, M_min = M_max = M > 0, no friction, push >= 0 in the direction of
     motion, which is that of both velocities.
@@ -154,9 +154,8 @@ SINCE = Since(
 
 @claim("guard.monitor-late")
 def late(mutation: Mutation) -> Statement:
-    """late velocities: d_least <= D where the velocity changed since the previous sample, either
-    way, by no more than a push D and the commands that may have acted explain, in the mean or from
-    rest.
+    """late velocities: d_least <= D if a push D and the commands that may have acted explain the
+    velocity's change since the previous sample, in either direction, in the mean or from rest.
 
     The monitor never reports bounds that explain the motion, not even behind a delay with jitter.
 
@@ -262,7 +261,7 @@ def necessary(mutation: Mutation) -> Statement:
 
 @map_claim("wheels.{name}", over=tuple({"name": name} for name in MAPS))
 def mapped(mutation: Mutation, name: str) -> Statement:
-    """{name} ends in the guard's box and within reach.
+    """the result of {name} is in the guard's box and within reach.
 
     The torque limit does not undo the guard.
 
@@ -275,9 +274,9 @@ def mapped(mutation: Mutation, name: str) -> Statement:
 
 @map_claim("wheels.per-wheel")
 def clip_per_wheel(mutation: Mutation) -> Statement:
-    """a clip of each wheel's torque ends in the guard's box.
+    """after a clip of each wheel's torque the force is in the guard's box.
 
-    False: clipping one wheel changes thrust and moment at once, and can turn braking into driving.
+    False: clipping one wheel changes both thrust and moment, and can turn braking into driving.
 
     Given: {BOX}.
     """

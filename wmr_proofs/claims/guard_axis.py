@@ -1,8 +1,8 @@
 """One axis of the guard in one sample: its symbols and hypotheses, for any kind of lateness.
 
-Lateness changes what is known of v when the new command takes over, and what the guard's graph
-reads; the map from the room to a force is one function. Effects of commands in transit are free
-sums, so that a statement is valid for any number of them; exponentials are symbols.
+Lateness changes the knowledge of v when the new command takes over, and the inputs of the guard's
+graph; the map from the room to a force is always the same function.  Effects of commands in transit
+are free sums, so that a statement is valid for any number of them.  Exponentials are symbols.
 """
 
 from dataclasses import dataclass
@@ -43,9 +43,9 @@ class GuardAxis(Named):
     ``varies``: with jitter, or J = mixed = 0 and the graph for that. ``way`` is 1 forwards and -1
     backwards. Results of the guard's graph are computed anew at each use.
 
-    ``net`` is dbar - f_min, written down here, to be compared with what the guard subtracts. Times:
-    that for which sent commands matter (``late``), the delay's range J, and how long either of two
-    commands may act (``both_act``).
+    ``net`` is dbar - f_min, calculated here independently of the guard.  Times: that for which sent
+    commands matter (``late``), the delay's range J, and the time in which either of two commands
+    may act (``both_act``).
     """
 
     lateness: int = AT_ONCE
@@ -75,12 +75,12 @@ class GuardAxis(Named):
 
     @property
     def coming(self) -> InFlight | None:
-        """Push in flight; None where nothing is late."""
+        """Push of commands in transit; None if nothing is late."""
         return self.sums if self.lateness else None
 
     @property
     def sums(self) -> InFlight:
-        """Sums of the push in flight, and its part felt then and later."""
+        """Sums of the push of commands in transit, and its part that acts then and later."""
         if self.lateness < LATE:
             return InFlight(self.ahead, self.back)
         rest = InFlight(self.rest_ahead, self.rest_back)
@@ -179,12 +179,12 @@ class GuardAxis(Named):
 
     @property
     def capped(self) -> Relations:
-        """Facts of guard.delay.caps on the caps, but for their sum."""
+        """Facts of guard.delay.caps on the caps, except their sum."""
         brakes = self.bounds.braking
         return brakes >= 0, between(self.net, brakes, self.largest)
 
     def shared(self, more: float = 1) -> Relations:
-        """The caps' sum: both directions together keep what braking needs."""
+        """The caps' sum: both directions together leave the room that braking needs."""
         b = self.bounds
         needed = fmax(b.braking + self.net, 0) / (b.M_min * b.alpha)
         return b.u1 - b.f_speed >= self.late * self.S / b.M_min + more * needed
@@ -200,7 +200,7 @@ class GuardAxis(Named):
         return (self.sound(), self.capped) if self.lateness else self.feasible()
 
     def enough(self, rooms: tuple[SX, SX], more: float = 1) -> Relations:
-        """Room for braking beside the push in flight, ahead or behind or both together."""
+        """Room for braking in addition to the push in transit, ahead or behind or both together."""
         b = self.bounds
         need = fmax(b.braking + self.net, 0)
         if self.lateness < LATE:
@@ -227,7 +227,7 @@ class GuardAxis(Named):
         return self.u1 >= self.v, self.v >= -self.u1
 
     def exceeded(self, share: float) -> SX:
-        """Where a push that exceeds its bound by a share of ``extra`` takes the speed."""
+        """Speed reached under a push that exceeds its bound by a share of ``extra``."""
         return self.u1 + share * self.extra * (self.period + self.late) / self.M_min
 
     @property
@@ -258,7 +258,7 @@ class GuardAxis(Named):
         return self.measured, during, self.moving, most >= arrived, arrived >= self.f_speed
 
     def start(self, way: int, more: Number = 0) -> SX:
-        """v+ where the new command takes over, ``since`` later; way v where nothing is late."""
+        """v+ when the new command takes over, ``since`` later; way v if nothing is late."""
         if self.lateness < LATE:
             return self.arrived if self.lateness else way * self.v
         return self.arrived + self.since * fmax(way * self.sent + self.net + more, 0) / self.mass
@@ -281,7 +281,7 @@ class GuardAxis(Named):
         return self.sound(), brakes, self.during(longer), arrived >= self.f_speed, lines, limits
 
     def beyond(self, way: int) -> SX:
-        """Excess of v+ where the new command takes over."""
+        """Excess of v+ over u1 when the new command takes over."""
         return self["beyond"] if self.lateness == LAGGING else self.start(way) - self.u1
 
     def outside(self, way: int, during: Relations = ()) -> Relations:
@@ -296,7 +296,7 @@ class GuardAxis(Named):
         return self.stated, beyond > 0, most + again - u1 >= beyond, left
 
     def ordered(self, way: int) -> Relations:
-        """lo <= hi; forwards nothing depends on it, since the clip to hi is the last."""
+        """lo <= hi; the forward direction does not need it, since the clip to hi is the last."""
         return (self.hi >= self.lo,) if self.lateness and way < 0 else ()
 
     def withstands(self, extra: SX) -> Relations:
@@ -306,7 +306,7 @@ class GuardAxis(Named):
         return spare * lightest >= heaviest * extra
 
     def lasts(self, way: int) -> tuple[SX, SX, SX]:
-        """For one direction: Z now and later, and M_min times what the last command adds."""
+        """For one direction: Z now and later, and M_min times the last command's contribution."""
         z = self("z_", way)
         if not self.varies:
             return z, z, SX(0)

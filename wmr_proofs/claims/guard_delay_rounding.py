@@ -1,9 +1,9 @@
-"""The guard's rounding behind a constant delay, with any number of commands under way.
+"""The guard's rounding behind a constant delay, with any number of commands in transit.
 
-As `guard_rounding`, but the speed that is counted is what v can have reached when the new command
-starts to act.  The share ``kept`` of u1 that is kept back, (1 + n) 2^-44 with n commands, is
-a symbol: every error is bounded by a part of it.  The sums over the commands are computed one
-command after the other; what one of them adds is shown for any sum before it.
+As in `guard_rounding`, but the speed is the one that v can have reached when the new command starts
+to act.  The share ``kept`` of u1 that is reserved, (1 + n) 2^-44 with n commands, is a symbol:
+every error is bounded by a part of it.  The sums over the commands are computed one command after
+the other; the contribution of one of them is shown for any earlier sum.
 """
 
 from dataclasses import dataclass, replace
@@ -37,7 +37,7 @@ SENT = 5
 
 
 class Queue(Named):
-    """Commands under way on one axis, their sums without the factor T/M_min.
+    """Commands in transit on one axis, their sums without the factor T/M_min.
 
     Results before the last command are free numbers (``before``), so the queue may have any length,
     also 0. ``last``: force and time of the last command.
@@ -62,7 +62,7 @@ class Queue(Named):
         return in_flight(sent, self.axis, b)
 
     def known(self, *names: str) -> Relations:
-        """Signs of the sums before, and how far they have grown."""
+        """Signs and bounds of the earlier sums."""
         _, time = self.last
         grown = between(3 * UNIT, self.grown, 2.0**-24)
         return time >= 0, grown, nonnegative(*(self[name] for name in names))
@@ -76,7 +76,7 @@ def read(mutation: Mutation) -> Statement:
     """the force that the guard reads back from a sent command differs from the exact force of its
     torques by at most 5 2^-53 of it, on either axis.
 
-    Commands under way are remembered as torques and read back as forces.
+    Commands in transit are remembered as torques and read back as forces.
 
     Given: any torques, r, l > 0{ROUNDS}.
     """
@@ -120,7 +120,7 @@ def both(mutation: Mutation, axis: int) -> Statement:
     """one command more: both computed sums together <= (1 + g + 3 2^-53) sum tau_j (most + net + 3
     2^-53 |net|); on each axis.
 
-    The computed sum is never so large that no room is left for braking.
+    The computed sum always leaves room for braking.
 
     Given: the same with g of the sums before; |F_j|, |net| <= most; tau_j >= 0{ROUNDS}.
     """
@@ -140,7 +140,7 @@ def both(mutation: Mutation, axis: int) -> Statement:
 def scaled(mutation: Mutation) -> Statement:
     """the sums in m/s or rad/s are those in N or N m, times T/M_min, to 4 2^-53 of that.
 
-    The factor that is multiplied at the end.
+    The factor at the end of the sums.
 
     Given: sums >= 0, T, M_min > 0{ROUNDS}.
     """
@@ -179,9 +179,9 @@ FAR = 15 / 32
 class QueuedAxis(RoundedAxis):
     """One axis; ``arrived`` bounds v (or -v) where the new command starts to act.
 
-    ``share`` is what is left of u1, ``brakes`` and ``largest`` the computed caps.  ``waits`` is
-    alpha delay, ``aim`` M_min alpha (u1 (1 - kept) - f_speed), ``over`` the error of the computed
-    brakes' part of the sum, times 1 + alpha delay.
+    ``share`` is the remaining share of u1, ``brakes`` and ``largest`` are the computed caps.
+    ``waits`` is alpha delay, ``aim`` M_min alpha (u1 (1 - kept) - f_speed), ``over`` the error of
+    the computed brakes' part of the sum, times 1 + alpha delay.
     """
 
     lateness: int = DELAYED
@@ -238,7 +238,7 @@ class QueuedAxis(RoundedAxis):
         return brakes >= 0, brakes >= abs(self.net) + room, largest >= 0, largest >= self.net + room
 
     def arrives(self, way: int) -> Relations:
-        """arrived <= max(way v, f_speed) + the computed push under way, and <= u1."""
+        """arrived <= max(way v, f_speed) + the computed push in transit, and <= u1."""
         fastest = fmax(way * self.v, self.f_speed)
         most = fastest + self("", way) * (1 + self.held_back / 64) + self.u1 * self.held_back / 8
         return most >= self.arrived, self.u1 >= self.arrived
@@ -295,7 +295,7 @@ def largest(mutation: Mutation) -> Statement:
     caps="{ROUNDED_CAPS}",
 )
 def caps(mutation: Mutation) -> Statement:
-    """{caps}, and largest >= brakes but for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
+    """{caps}, and largest >= brakes, except for (32 + 12 alpha delay) 2^-53 K/(alpha delay).
 
     The computed caps keep their order.
 
@@ -318,7 +318,7 @@ def caps(mutation: Mutation) -> Statement:
 def room(mutation: Mutation) -> Statement:
     """M_min alpha (u1 (1 - 17/32 kept) - f_speed - ahead - back) >= max(brakes + net, 0).
 
-    Commands under way never take the room that braking needs, as computed.
+    Commands in transit never use the room that braking needs, as computed.
 
     Given: {RANGE}; {ROUNDED_CAPS}; M_min (ahead + back) <= (1 + kept/64) delay (largest + net +
     more), alpha delay more <= (400 + 20 alpha delay) 2^-53 K.
@@ -353,7 +353,7 @@ def size(mutation: Mutation) -> Statement:
 def anchor(mutation: Mutation) -> Statement:
     """the computed safe point is at most the computed brakes.
 
-    What the wheels must keep in reserve is what the computed force keeps in reserve.
+    The computed force keeps the reserve that the wheels need.
 
     Given: {RANGE}; {ROUNDED_CAPS}{ROUNDS}.
     """
@@ -378,8 +378,8 @@ def force(mutation: Mutation, way: int) -> Statement:
     torques.
 
     Given: {RANGE}; {ROUNDED_CAPS}; |y - v| <= nbar + 2^-53 |v|; v+ <= max(v, f_speed) + (1 +
-    kept/64) ahead + u1 kept/8 and v+ <= u1, back the same of -v; lo(y) = -hi(-y) is what this says
-    ahead; guard.delay.rounding.room{ROUNDS}.
+    kept/64) ahead + u1 kept/8 and v+ <= u1, back the same of -v; this claim ahead also covers lo(y)
+    = -hi(-y); guard.delay.rounding.room{ROUNDS}.
     """
     # Ahead, whatever lo is; back, lo being what hi is ahead, mirrored.
     a = QueuedAxis()
@@ -405,8 +405,8 @@ def together(mutation: Mutation) -> Statement:
     """v+ + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the torques that the
     compiled text computes, v+ = max(v, f_speed) <= u1 where it starts to act; the same for -v.
 
-    Behind a constant delay, too, the limit is kept by the exact robot to the last bit, with any
-    number of commands under way; what they add up to is put together by hand.
+    Behind a constant delay, too, the exact robot keeps the limit to the last bit, with any number
+    of commands in transit; their sum is composed by hand.
 
     Given: {RANGE}; F <= the larger of two forces that are safe as in guard.delay.rounding.force, to
     288 2^-53 K; no overflow, no underflow.

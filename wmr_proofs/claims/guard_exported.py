@@ -1,4 +1,4 @@
-"""The exported guard consists of its parts, and the flag is enough: nothing else is asked of it."""
+"""The exported guard consists of its parts, and its flag is the only condition on its numbers."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -50,15 +50,15 @@ EXPORTED = {f"{kind}{key}": {"kind": kind, **row} for kind in MAPS for key, row 
 )
 def assembled(mutation: Mutation, kind: str, delay: int) -> Statement:
     """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
-    axes' clips and safe points, each axis with its own bounds and its own commands under way (the
+    axes' clips and safe points, each axis with its own bounds and its own commands in transit (the
     torques sent before); feasible = 1 only if both axes' flags are 1, their brakes together are
-    within the wheels' reach and the drives' delay is at most the one that is counted; the torque
-    that is remembered as applied is the one that acts next, and each d_least is the monitor's value
-    for it; without delay and behind one of two periods.
+    within the wheels' reach and the drives' delay is at most the assumed one; the torque stored as
+    applied is the one that acts next, and each d_least is the monitor's value for it; without delay
+    and behind one of two periods.
 
-    The exported guard is composed of the parts that the other entries are about.
+    The exported guard consists of the parts in the other entries.
 
-    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for.
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any requested force.
     """
     return exported(mutation, kind, Assembled(guard, setup(kind, delay)))
 
@@ -103,10 +103,10 @@ def stays(a: GuardAxis, force: SX) -> Iterator[Relations]:
 )  # fmt: skip
 def kept(mutation: Mutation, a: GuardAxis) -> Statement:
     """lo <= hi, |clip(0, lo, hi)| <= brakes, and every force F from lo to hi keeps the limit either
-    way: v + t max(F + net, 0)/M <= u1 for t in [0, T], v the speed{where} or f_speed where that is
-    more.
+    way: v + t max(F + net, 0)/M <= u1 for t in [0, T], v the speed{where} or f_speed if that is
+    larger.
 
-    The published flag alone, with what is physical, is enough for one axis.
+    The published flag, with the physical hypotheses, is enough for one axis.
 
     Given: feasible = 1; T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed >= 0; |y - v| <=
     nbar, M_min <= M <= M_max; {inside}.
@@ -133,14 +133,15 @@ def kept(mutation: Mutation, a: GuardAxis) -> Statement:
 @claim("guard.assembled.keeps", premises="guard.kept guard.delay.kept", each=EXPORTED)
 def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
     """both axes, both ways: v + t max(F + net, 0)/M <= u1 for t in [0, T], F the exact force of the
-    torques of the whole guard, with either map, v the speed or f_speed where that is more; for t =
-    T that is |v| <= u1 again, where the next command takes over.
+    torques of the whole guard, with either map, v the speed or f_speed if that is larger; for t = T
+    that is |v| <= u1 again, when the next command takes over.
 
-    From the published flag to the motion in one step, on the graph that is exported: a step of the
-    induction over samples (guard.lemma). Nothing but feasible = 1 is asked of the guard's numbers.
+    From the published flag to the motion in one step, on the exported graph: a step of the
+    induction over samples (guard.lemma).  The only condition on the guard's numbers is feasible =
+    1.
 
     Given: feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed
-    >= 0; any force asked for; of each axis |y - v| <= nbar, M_min <= M <= M_max; without delay
+    >= 0; any requested force; of each axis |y - v| <= nbar, M_min <= M <= M_max; without delay
     {V_INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}.
     """
     e = Assembled(guard, setup(kind, delay))
@@ -179,10 +180,11 @@ def carried(mutation: Mutation, kind: str) -> Statement:
     """ahead + back <= delay (largest + net)/M_min, and |F| <= largest, F the exact force of the
     torques of the whole guard, with either map; both axes.
 
-    What guard.assembled.keeps assumes of the commands under way is handed on from sample to sample.
+    The assumptions of guard.assembled.keeps about commands in transit hold again at the next
+    sample.
 
     Given: feasible = 1; r, l, tau_max, T, delay, alpha, u1, M_min > 0, dbar, nbar, brake, f_min,
-    f_speed >= 0; any velocities and any force asked for; behind one of two periods, |F_j| <=
+    f_speed >= 0; any velocities and any requested force; behind one of two periods, |F_j| <=
     largest of both torques that are remembered and of both axes.
     """
     e = Assembled(guard, setup(kind, 2))
@@ -234,18 +236,17 @@ EXPORTED_LATE = {
 )
 def late(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Statement:
     """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
-    axes' clips and safe points, each axis with its own bounds and what is counted of the commands
-    under way: piece after piece, what either of two commands may do, and what is kept of older
-    ones, which is updated so; feasible = 1 only where both axes' flags are, their brakes together
-    are within reach and the drives are no later, slower, sooner or more varied than is counted;
-    each d_least is that of the monitor for late motion; without jitter and with one of half a
-    period, the lag constant and varying by a quarter.
+    axes' clips and safe points, each axis with its own bounds and sums over commands in transit:
+    piece by piece, with either of two commands, and with a stored sum of older ones, which is
+    updated accordingly; feasible = 1 only if both axes' flags are 1, their brakes together are
+    within reach and the drives are no later, slower, earlier or more variable than assumed; each
+    d_least is that of the monitor for late motion; without jitter and with one of half a period,
+    the lag constant and varying by a quarter.
 
-    The exported guard is composed of the parts that the entries about late velocities, jitter and
-    lags are about.
+    The exported guard consists of the parts in the entries about late velocities, jitter and lags.
 
-    Given: any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any force that is
-    asked for; velocities are means over a period, a delay of half of one, a lag of 0.4 of it.
+    Given: any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any requested
+    force; velocities are means over a period, a delay of half of one, a lag of 0.4 of it.
     """
     return exported(mutation, kind, Assembled(guard, setup(kind, 0, **stated)))
 
@@ -265,18 +266,18 @@ LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
 )  # fmt: skip
 def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
     """nothing is late but one of: a lag of 0.4 of a period; one that varies by a quarter; a delay
-    of half a period; a jitter of that; velocities, which are means over a period. The torques of
-    the whole guard are those of linear-first on both axes' clips and safe points, with what is
-    counted of the commands under way and, behind a lag, of older ones, the new one joining them as
-    the wheels were given it; feasible = 1 only where both axes' flags are, their brakes together
-    are within reach and the drives are no later, slower or more varied than is counted; each
-    d_least is the monitor's, behind a constant lag or delay for the torque that is remembered as
-    applied, else for late motion.
+    of half a period; a jitter of that; velocities, which are means over a period.  The torques of
+    the whole guard are those of linear-first on both axes' clips and safe points, with the sums
+    over commands in transit and, behind a lag, over older ones, which the new command joins as it
+    was sent to the wheels; feasible = 1 only if both axes' flags are 1, their brakes together are
+    within reach and the drives are no later, slower or more variable than assumed; each d_least is
+    the monitor's, behind a constant lag or delay for the torque stored as applied, else for late
+    motion.
 
-    Each way to be late, by itself, is counted as it is together with the others.
+    Each kind of lateness alone is treated as it is together with the others.
 
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where there
-    is one; any force that is asked for.
+    is one; any requested force.
     """
     return exported(mutation, "linear-first", Assembled(guard, setup("linear-first", 0, **stated)))
 
@@ -296,9 +297,9 @@ def controller(
     mutation: Mutation, kind: str, delay: int = 0, stated: Mapping[str, float] | None = None
 ) -> Statement:
     """torques, flag, d_least and the guard's memory one sample later are, in the whole controller,
-    those of the whole guard on the force that the law asks for: with either map, {which}.
+    those of the whole guard on the force that the law requests: with either map, {which}.
 
-    What is proved of the exported guard holds for it inside of the controller.
+    Results about the exported guard hold for it inside the controller.
 
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets and
     state.

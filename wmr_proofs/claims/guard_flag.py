@@ -1,8 +1,8 @@
 """The exported guard's flag with rounding, and the parts around the guard.
 
-The flag has no tolerance, so that its own rounding is all that separates the published 1 from the
-theorem's conditions. Parts around the guard: runs without it, the torque stored as applied, and the
-margin kept back.
+The flag has no tolerance, so only its own rounding separates the published 1 from the theorem's
+conditions.  Parts around the guard: runs without it, the torque stored as applied, and the reserved
+margin.
 """
 
 import casadi as ca
@@ -39,7 +39,7 @@ claim = Claims(given="{FLAG_SIGNS}")
 
 
 class Flag(Assembled):
-    """The exported flag, exact bounds of ``both`` axes, and what its numbers have to be."""
+    """The exported flag, exact bounds of ``both`` axes, and conditions on its numbers."""
 
     def __init__(self, delay: int) -> None:
         super().__init__(guard, setup("linear-first", delay))
@@ -77,8 +77,8 @@ def conditions(mutation: Mutation, n: int) -> Statement:
     delay) <= M_min alpha (u1 - f_speed + (1 + n) d u1), brake >= net - d |net|, alpha T <= 1 + d,
     2 nbar <= u1 (1 + d), f_speed < u1 (1 + d), M_min <= M_max; n = 0 and 2.
 
-    The flag that the compiled guard publishes is the theorem's conditions to within some roundings
-    of its own numbers.
+    The compiled guard's flag implies the theorem's conditions to within some roundings of its own
+    numbers.
     """
     e, free, near = Flag(n), symbols("flag"), 1 + NEAR
     goals = Group()
@@ -91,10 +91,10 @@ def conditions(mutation: Mutation, n: int) -> Statement:
 
 @claim("guard.flag.braking", premises="guard.flag.conditions assumption.libm", each=DELAYS)
 def braking(mutation: Mutation, n: int) -> Statement:
-    """each axis' brakes as doubles compute them are off by at most 4 (1 + n) 2^-50 S, and at most S
-    in size, S = M_min alpha u1 + |net|; n = 0 and 2.
+    """each axis' brakes as doubles compute them have an error of at most 4 (1 + n) 2^-50 S, and are
+    at most S in size, S = M_min alpha u1 + |net|; n = 0 and 2.
 
-    What the flag compares with the wheels' reach is the force with which the guard may brake.
+    The flag compares the wheels' reach with the force with which the guard may brake.
 
     Given: {FLAG_SIGNS}; as guard.flag.conditions has it.
     """
@@ -114,7 +114,7 @@ def reach(mutation: Mutation, n: int) -> Statement:
     """feasible = 1 as doubles compute it implies FB1 + FB2/l <= phi (1 + 2^-47) + 8 (1 + n) 2^-50
     (S1 + S2/l), FB the exact brakes; n = 0 and 2.
 
-    Both axes can brake at once, to within some roundings, wherever the compiled guard says so.
+    If the compiled guard says so, both axes can brake at the same time, to within some roundings.
 
     Given: {FLAG_SIGNS}; the brakes as guard.flag.braking has them.
     """
@@ -136,13 +136,13 @@ watched_claim = Claims()
 
 @watched_claim("guard.assembled.watched", premises="wheels.linear-first")
 def watched(mutation: Mutation) -> Statement:
-    """without the guard, the whole controller's torques are what linear-first makes of the force
-    that the law asks for; the flag, the torque that is remembered as applied and each d_least are
-    as with the guard.
+    """without the guard, the whole controller's torques are those of linear-first for the force
+    that the law requests; the flag, the torque stored as applied and each d_least are as with the
+    guard.
 
     A run without the guard is monitored with the bounds that the guard would use.
 
-    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any force that is asked for.
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any requested force.
     """
     e = Assembled(asking_controller, setup("linear-first", 0, **{"guard.enabled": False}))
     (r, half), asked = e.wheels, mutation(1, 0.9) * e.asked
@@ -151,10 +151,9 @@ def watched(mutation: Mutation) -> Statement:
 
 @watched_claim("guard.assembled.applied", premises="world.lag.applied")
 def applied(mutation: Mutation) -> Statement:
-    """on the guard's own graph, the torque that is remembered as applied is the mean, over the
-    plant steps of the sample, of the lag's response to the commands that the delay lets through,
-    and the torque that is remembered as acting is that response's last value; each command moves on
-    by one place.
+    """on the guard's own graph, the torque stored as applied is the mean, over the plant steps of
+    the sample, of the lag's response to the delayed commands, and the torque stored as acting is
+    that response's last value; each stored command moves by one place.
 
     Guard, monitor and observer use the torque that the simulated drives produced.
 
@@ -191,9 +190,9 @@ def kept(mutation: Mutation) -> Statement:
     """the bounds that the exported guard is built with have u1 = v_u1 (1 - kept), kept = (1 + n)
     2^-44 and alpha delay <= n (1 + 2^-50).
 
-    The exported guard keeps back the margin that these entries assume.
+    The exported guard reserves the margin that these entries assume.
 
-    Given: n = 1 to 5 commands under way; alpha T <= 1 + 2^-50, v_u1, T, alpha > 0; both axes.
+    Given: n = 1 to 5 commands in transit; alpha T <= 1 + 2^-50, v_u1, T, alpha > 0; both axes.
     """
     a, table, goals, given = QueuedAxis(), Cuts(), Group(), Group()
     for n in range(1, 6):

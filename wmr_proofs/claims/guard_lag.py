@@ -32,7 +32,7 @@ def exponentials(a: GuardAxis) -> Relations:
 
 
 def _core(a: GuardAxis, way: int, room: SX, most: SX) -> SX:
-    """M_min room less all that the last and the new command, of at most ``most``, may do."""
+    """M_min room less the largest effect of the last and the new command, each of at most ``most``."""
     spare = a.M_min * room + a.slow * a.lasts(way)[0]
     return spare - (a.slow + a.J) * most
 
@@ -58,9 +58,9 @@ def varying_moved(mutation: Mutation) -> Statement:
 def varying_integral(mutation: Mutation) -> Statement:
     """b Z + its integral = b Z0 + h p + (b - a)(1 - exp(-h/a)) max(p - Z0, 0).
 
-    What a piece adds beyond a constant lag b.
+    Contribution of a piece in addition to that of a constant lag b.
 
-    Given: where every age counts in full; exponentials free.
+    Given: a piece with full weight for every age; exponentials free.
     """
     t = symbols("z p time fast slow falls rises")
     z, p, time, a, b, falls, rises = t.values()
@@ -73,7 +73,7 @@ def varying_integral(mutation: Mutation) -> Statement:
 def varying_piece(mutation: Mutation) -> Statement:
     """the weighted integral of Z over a piece is between 0 and its weight times S.
 
-    So all pieces together count for no more than behind a constant lag b.
+    So all pieces together contribute no more than behind a constant lag b.
 
     Given: 0 <= Z0, p <= S, weights of the differences within 0 and that of p.
     """
@@ -88,10 +88,10 @@ def varying_piece(mutation: Mutation) -> Statement:
 
 @claim("guard.varying.more")
 def varying_more(mutation: Mutation) -> Statement:
-    """b Z + what the last command adds within J + c(T) (S - Z_J) <= (b + J) S, and b Z + c(T + J)
-    (S - Z) <= b S.
+    """b Z + (the last command's contribution within J) + c(T) (S - Z_J) <= (b + J) S, and b Z + c(T
+    + J) (S - Z) <= b S.
 
-    The last command and the new one together count for no more than b + J of the largest.
+    The last command and the new one together contribute no more than b + J times the largest push.
 
     Given: 0 <= Z, p_1 <= S, S, J > 0; {EXPONENTIALS}.
     """
@@ -111,7 +111,7 @@ def varying_spare(mutation: Mutation, a: GuardAxis) -> Statement:
     """core >= max(brakes + net, 0)/alpha ahead, or behind, or for both together, core = M_min (u1 -
     reached) + b Z - (b + J) S.
 
-    The caps leave what braking needs, also where both directions are full.
+    The caps leave the room that braking needs, also if both directions are full.
 
     Given: sums without b Z at most (late - J - b) S in rest and (usual - J - b) S in the mean, each
     way (guard.varying.piece); mixed = usual >= J + b, b >= 0; {caps}.
@@ -152,7 +152,7 @@ def varying_left(mutation: Mutation, a: GuardAxis) -> Statement:
 def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
     """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both together.
 
-    Commands already sent never take the room that braking needs.
+    Commands already sent never use the room that braking needs.
 
     Given: guard.{at}left, guard.{at}spare; M_min, alpha > 0, S >= brakes + net.
     """
@@ -167,10 +167,10 @@ def varying_room(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim("guard.{at}counts", over=LAGS)
 def counts(mutation: Mutation, a: GuardAxis) -> Statement:
-    """room is at most what each of its lines leaves of u1 less what is reached when the new command
-    may first take over; either way.
+    """room is at most the value of each of its lines, from u1 less the speed reached when the new
+    command may first take over; in both directions.
 
-    How the room is counted.
+    Definition of the room, as lines.
 
     Given: reached as in guard.late.mean, with the integral of Z for the sums, and b Z; {SIGNS},
     alpha T <= 1, 0 <= J <= T; {EXPONENTIALS}.
@@ -185,14 +185,15 @@ def counts(mutation: Mutation, a: GuardAxis) -> Statement:
     over=on("varying.", back=True),
 )
 def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """p_0 > 0: what is reached + (T + J) p_0 + c(T + J) max(p_0 - Z, 0), and + what the last
-    command adds in J + T p_0 + c(T) max(p_0 - Z_J, 0), over M_min, is at most u1; for v and -v.
+    """for p_0 > 0 two speeds are at most u1, for v and -v: the speed reached + ((T + J) p_0 + c(T +
+    J) max(p_0 - Z, 0))/M_min, and the speed reached + (the last command's contribution in J + T p_0
+    + c(T) max(p_0 - Z_J, 0))/M_min.
 
-    A robot within its limit stays within it either way: a larger push than the last is worst where
-    it comes early, a smaller one where it comes late.
+    A robot within its limit stays within it: a push larger than the last one is worst if it comes
+    early, a smaller one if it comes late.
 
-    Given: {counts}, whose hypotheses hold; M >= M_min, lo <= hi, brakes >= net; Z, Z_J and what the
-    last command adds >= 0.
+    Given: {counts}, whose hypotheses hold; M >= M_min, lo <= hi, brakes >= net; Z, Z_J and the last
+    command's contribution >= 0.
     """
     # A command of larger p than the last is worst early, another one late; both to their end.
     b, spare = a.bounds, a.u1 - a.arrived
@@ -209,15 +210,14 @@ def varying_inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 
 @claim("guard.{at}graceful", premises="guard.{at}counts", over=on("varying.", back=True))
 def varying_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """|d| <= dbar + D: what is reached, with D for every time that counts, and what the last and
-    the new command add, as in guard.varying.inside, is at most u1 + D (T + late)/M_min; for v and
-    -v.
+    """for |d| <= dbar + D the two speeds of guard.varying.inside, with D added over all times that
+    matter, are at most u1 + D (T + late)/M_min; for v and -v.
 
-    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+    Under a push that exceeds its bound by D the speed exceeds the limit by at most a known amount.
 
     Given: {counts}, whose hypotheses hold; F = hi(y), or -hi(-y) backwards; D >= 0, pushes and Z
-    larger by at most D; p_0 + D > 0; brakes - net >= D; Z, Z_J and what the last command adds >= 0;
-    {caps}.
+    larger by at most D; p_0 + D > 0; brakes - net >= D; Z, Z_J and the last command's contribution
+    >= 0; {caps}.
     """
     # Pushes, and Z with them, are larger by at most D; worst for F = hi.
     b, D = a.bounds, a.extra

@@ -1,8 +1,8 @@
 """The guard's rounding: the exact plant, pushed by the torques that the compiled text computes.
 
-A computed number is here whatever rounding each operation by at most 2^-53 (2^-24 in floats) can
-give (`proofs.statement.rounded`).  From |v| <= u1 to |v| <= u1: the guard's force, the map onto the
-wheels, the conversion to torques and the motion, and `guard.rounding` puts them together.
+A computed number is any result of rounding each operation by at most 2^-53 (2^-24 in floats;
+`wmr_proofs.statement.rounded`).  From |v| <= u1 to |v| <= u1: the guard's force, the map onto the
+wheels, the conversion to torques and the motion.  `guard.rounding` composes them.
 """
 
 from dataclasses import dataclass, replace
@@ -33,7 +33,7 @@ from .guard_axis import GuardAxis
 
 @dataclass(frozen=True)
 class Precision:
-    """Doubles or floats: the unit of rounding, and the share of u1 that is kept back.
+    """Doubles or floats: the unit of rounding, and the reserved share of u1.
 
     ``spare``: share of M_min alpha u1, or of u1, by which the guard's conditions hold; ``quicker``:
     by how much alpha T may exceed 1, as the default 1/T is a rounded number.
@@ -44,7 +44,7 @@ class Precision:
 
     @property
     def spare(self) -> float:
-        """4 times what is kept back."""
+        """4 times the reserved share."""
         return 4 * self.kept
 
     @property
@@ -61,14 +61,14 @@ ON_WHEELS = 18
 
 @dataclass(eq=False)
 class RoundedAxis(GuardAxis):
-    """One axis of the guard whose formula is computed in doubles: ``hat`` is what comes out.
+    """One axis of the guard whose formula is computed in doubles: ``hat`` is the computed force.
 
     ``widest`` is the largest G/(M_min alpha u1), G of both axes: the promise's range.
 
-    ``held_back`` is the margin kept back, as a share of u1, and ``aimed`` the bounds in the text,
-    with u1 less that; ``slope`` is M_min alpha, ``reach`` K = M_min alpha u1 [N or N m], which
-    stops the robot from its limit in 1/alpha; ``on_wheels`` is the most of this axis that is lost
-    to the wheels' rounding.
+    ``held_back`` is the reserved margin, as a share of u1, and ``aimed`` are the bounds in the
+    text, with u1 less that margin; ``slope`` is M_min alpha, ``reach`` K = M_min alpha u1 [N or N
+    m], which stops the robot from its limit in 1/alpha; ``on_wheels`` is the largest loss of this
+    axis' force by the wheels' rounding.
     """
 
     precision: Precision = DOUBLE
@@ -106,7 +106,7 @@ class RoundedAxis(GuardAxis):
         )  # fmt: skip
 
     def safe(self, way: int, force: SX) -> Relations:
-        """The force leaves what the wheels' rounding and the motion need."""
+        """Hypothesis: the force leaves the margin that the wheels' rounding and the motion need."""
         fastest = self.arrived if self.lateness else fmax(way * self.v, self.f_speed)
         left = self.slope * (self.u1 * (1 - self.held_back / 32) - fastest)
         return fmax(left, 0) >= way * force + self.net + self.on_wheels
@@ -169,8 +169,8 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     The computed force keeps the limit ahead and back, with room for the rounding of the wheels'
     torques; the braking branch is included.
 
-    Given: {stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}; back, lo(y) = -hi(-y) is what
-    this says ahead.
+    Given: {stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}; backwards lo(y) = -hi(-y), so
+    this claim ahead applies.
     """
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
     a = RoundedAxis(precision=precision)
@@ -201,7 +201,7 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
 def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """the computed safe point is at most the computed min(brake, cap).
 
-    What the wheels must keep in reserve is what the computed force keeps in reserve.
+    The computed force keeps the reserve that the wheels need.
 
     Given: {stated}{rounds}.
     """
@@ -214,8 +214,8 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
 
 @claim("guard.{name}.maps", over=PRECISIONS, each={kind: {"kind": kind} for kind in MAPS})
 def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
-    """each map as computed ends between the asked force and the safe point, to 12 {unit} (G1 +
-    G2/l) in N, l times that in N m.
+    """the computed result of each map is between the requested force and the safe point, to 12
+    {unit} (G1 + G2/l) in N, l times that in N m.
 
     The rounding of the torque limit does not undo the guard.
 

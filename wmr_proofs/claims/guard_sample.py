@@ -1,9 +1,9 @@
-"""The velocity guard: what keeps the limit, and what brings the robot back.
+"""The velocity guard: conditions that keep the limit, and the return to it from outside.
 
-All parameters are symbols. The statements are about one sample of one axis: with velocities and
-drives at once, behind a delay, with late velocities, jitter and lag, behind a lag that varies.
-Effects of commands in transit are in `guard_sent`, which also shows that no guard does better
-and, by hand, what follows for every instant of a run.
+All parameters are symbols.  The statements are about one sample of one axis: without lateness,
+behind a delay, with late velocities, jitter and lag, behind a varying lag.  Effects of commands in
+transit are in `guard_sent`, which also shows that no guard does better and, by hand, what follows
+for every instant of a run.
 """
 
 from typing import Any
@@ -49,9 +49,9 @@ claim = Claims()
 
 @claim("guard.{at}feasible", premises="{rests}", over=on(*ALL))
 def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
-    """lo(y) <= hi(y) for every y, whatever was sent.
+    """lo(y) <= hi(y) for every y and any earlier commands.
 
-    There is always a safe force: nothing has to be checked while it runs.
+    There is always a safe force, so no check is needed during a run.
 
     Given: {enough}.
     """
@@ -62,7 +62,7 @@ def feasible(mutation: Mutation, a: GuardAxis) -> Statement:
 def largest(mutation: Mutation, a: GuardAxis) -> Statement:
     """|F| <= largest.
 
-    Commands stay as small as those before them were assumed to be.
+    New commands satisfy the bound that was assumed for earlier ones.
 
     Given: {caps}.
     """
@@ -85,8 +85,8 @@ def anchor(mutation: Mutation, a: GuardAxis) -> Statement:
 
 @claim("guard.{at}inside", premises="{kept}", over=on("", "delay.", "late.", back=True))
 def inside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
-    """v+ <= u1{where}: v+ + t max(F + net, 0)/M <= u1 as long as it acts, v+ = max(v, f_speed),
-    whatever the law asks for; and the same of -v and -F.
+    """v+ <= u1{where}: v+ + t max(F + net, 0)/M <= u1 as long as it acts, v+ = max(v, f_speed), for
+    any requested force; and the same of -v and -F.
 
     A robot within its limit stays within it, forwards and backwards.
 
@@ -100,7 +100,8 @@ def outside(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """{v} > u1{where}: F + net <= -min(brakes - net, M_max ({v} - u1)/T) <= 0; and the same of -v
     and -F.
 
-    Outside the limit no disturbance can make the robot faster, once earlier commands have ended.
+    Outside the limit no disturbance can make the robot faster, once earlier commands have ceased to
+    act.
 
     Given: {seen}{over}; {caps}{filled}.
     """
@@ -115,8 +116,8 @@ def return_step(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """{v} > u1{where}: a sample later {v} <= max(u1, {v} - T (brakes - net)/M); and the same of
     -v.
 
-    Back within the limit once late commands have ended, after ceil(({v} - u1) M/(T (brakes - net)))
-    samples, {v} being the speed then and M at worst M_max.
+    Once late commands have ceased to act, the robot is back within the limit after ceil(({v} - u1)
+    M/(T (brakes - net))) samples, with {v} the speed at that time and M at worst M_max.
 
     Given: {seen}, M_min <= M <= M_max; {caps}{filled}.
     """
@@ -132,7 +133,7 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
     """f_speed + t max(net - F, 0)/M <= u1 and f_speed + t max(net + F, 0)/M <= u1, net = dbar -
     f_min, from every v, measured or not.
 
-    Braking from outside never throws the robot through the other limit.
+    Braking from outside never carries the robot beyond the other limit.
 
     Given: {caps}; {acts}.
     """
@@ -145,7 +146,7 @@ def no_overshoot(mutation: Mutation, way: int) -> Statement:
 def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps v and -v <= u1 + D (T{late})/M_min.
 
-    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+    Under a push that exceeds its bound by D the speed exceeds the limit by at most a known amount.
 
     Given: {seen}, {acts}; {spare}; {caps}{filled}.
     """
@@ -160,7 +161,7 @@ def graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
 def late_graceful(mutation: Mutation, way: int, a: GuardAxis) -> Statement:
     """|d| <= dbar + D keeps v+ <= u1 + D (T + late)/M_min, for v and -v.
 
-    A push that exceeds its bound by D takes the speed a known amount past the limit, no more.
+    Under a push that exceeds its bound by D the speed exceeds the limit by at most a known amount.
 
     Given: guard.{at}left with D (late - J)/M_min more; {acts}, to the end of that; D >= 0, brakes -
     net >= D; {caps}.
@@ -182,7 +183,7 @@ def left(mutation: Mutation, a: GuardAxis) -> Statement:
     """room + J max(F_1 + net, 0)/M_min and (1 + alpha J) room are at most u1 less v+ when the new
     command may first take over; either way.
 
-    How the room is counted.
+    Definition of the room.
 
     Given: {seen}; {SIGNS}, alpha T <= 1, 0 <= J <= T.
     """

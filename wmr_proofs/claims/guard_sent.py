@@ -1,7 +1,8 @@
-"""Push of the commands in flight, and the room that the guard leaves for braking.
+"""Push of the commands in transit, and the room that the guard leaves for braking.
 
-For any number of them: the share of one is proved for one, the rest for their sums.  Then that the
-guard is optimal, that its parts are needed, and what is one limit for each direction.
+For any number of commands: the contribution of one command is proved for that command, everything
+else for their sums.  Further claims: the guard is optimal, its parts are needed, and each direction
+may have its own limit.
 """
 
 from dataclasses import replace
@@ -32,7 +33,7 @@ claim = Claims()
 
 
 def only(a: GuardAxis, place: int = 0) -> InFlight:
-    """Push in flight of a single command ``sent``; ``place``: its axis of the two."""
+    """Push of a single command ``sent`` in transit; ``place``: its axis."""
     pair = [a.other, a.other]
     pair[place] = a.sent
     return in_flight([(vertcat(*pair), a.periods)], place, a.bounds)
@@ -67,10 +68,12 @@ def caps(mutation: Mutation, a: GuardAxis) -> Statement:
     "guard.delay.command", over=on("delay."), each={"linear": {"place": 0}, "angular": {"place": 1}}
 )
 def command(mutation: Mutation, place: int) -> Statement:
-    """max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for a single command under way, and v
-    and -v at most the guard's count as long as it acts; each axis, whatever the other is sent.
+    """max(F_j + net, 0) + max(net - F_j, 0) <= largest + net for a single command in transit, and v
+    and -v are at most the guard's bound as long as it acts; on each axis, for any command on the
+    other.
 
-    The guard counts the most that a command under way can do, even if it acts for a shorter time.
+    The guard assumes the largest effect of a command in transit, even if it acts for a shorter
+    time.
 
     Given: one command; |F_j| <= largest, |y - v| <= nbar, M_min <= M <= M_max; {caps}.
     """
@@ -88,10 +91,10 @@ def command(mutation: Mutation, place: int) -> Statement:
 
 @claim("guard.delay.queue")
 def queue(mutation: Mutation) -> Statement:
-    """n commands under way add up: their sums ahead and back are those of n - 1 and of the last
-    one, both axes, n = 1 to 5.
+    """the sums of n commands in transit, ahead and back, are those of n - 1 commands plus that of
+    the last one, for both axes, n = 1 to 5.
 
-    What is shown for one more command holds for all of them together.
+    A result for one more command extends to all of them together.
 
     Given: any forces and times.
     """
@@ -110,10 +113,11 @@ def queue(mutation: Mutation) -> Statement:
 
 @claim("guard.late.piece", premises="guard.late.caps")
 def late_piece(mutation: Mutation) -> Statement:
-    """a piece of time in which either of two commands acts adds at most what it is counted for,
-    whichever acts and for however long, and each way at most its time (largest + net)/M_min.
+    """a piece of time in which either of two commands acts contributes at most its assumed push,
+    whichever acts and for however long, and in each direction at most its time (largest +
+    net)/M_min.
 
-    Jitter: the guard counts the worse of the two, forwards and backwards.
+    Jitter: the guard assumes the worse of the two, forwards and backwards.
 
     Given: |F_j| <= largest, M_min <= M <= M_max; {CAPS}.
     """
@@ -136,11 +140,11 @@ def late_piece(mutation: Mutation) -> Statement:
 
 @claim("guard.late.tail")
 def late_tail(mutation: Mutation) -> Statement:
-    """behind a lag, the count of older commands is decay times its last value plus what the oldest
-    listed command adds; both axes and ways. One that is remembered as 0 is what forces of 0 for
-    ever count for, and stays so as long as they are 0.
+    """behind a lag, the stored sum of older commands is decay times its last value plus the
+    contribution of the oldest listed command; both axes and directions.  A stored 0 is the sum for
+    forces of 0 for ever, and it stays 0 as long as they are 0.
 
-    Commands of any age are counted with one number for each axis and direction.
+    One number for each axis and direction covers commands of any age.
 
     Given: decay 1/2, entering 1/4 and 1/8, one command listed; forces, net and M_min free.
     """
@@ -190,7 +194,7 @@ def spares(a: GuardAxis) -> tuple[SX, SX]:
 
 
 def _spared(a: GuardAxis, ahead: SX, back: SX, more: float = 1) -> Relations:
-    """Either, or both together, are what braking and the last command need."""
+    """Either room, or both together, are enough for braking and the last command."""
     b = a.bounds
     braking, again = fmax(b.braking + a.net, 0) / b.alpha, a.J * a.S
     one, two = (b.M_min * x - braking for x in (fmax(ahead, back), ahead + back))
@@ -199,10 +203,10 @@ def _spared(a: GuardAxis, ahead: SX, back: SX, more: float = 1) -> Relations:
 
 @claim("guard.late.spare", premises="guard.late.caps guard.late.piece")
 def late_spare(mutation: Mutation) -> Statement:
-    """M_min times what is left when the new command may first take over, ahead or behind, is at
-    least max(brakes + net, 0)/alpha + J S, or both together that + 2 J S, S = largest + net.
+    """M_min times the room when the new command may first take over, ahead or behind, is at least
+    max(brakes + net, 0)/alpha + J S, or both rooms together this + 2 J S, S = largest + net.
 
-    Commands already sent never take the room that braking needs.
+    Commands already sent never use the room that braking needs.
 
     Given: {COUNTED}; {CAPS}.
     """
@@ -215,7 +219,7 @@ def late_spare(mutation: Mutation) -> Statement:
 def late_room(mutation: Mutation) -> Statement:
     """M_min alpha room >= max(brakes + net, 0) ahead, or behind, or for both rooms together.
 
-    The same once the last command may act for J more.
+    Room for braking, also if the last command acts for J more.
 
     Given: guard.late.spare.
     """
@@ -243,10 +247,10 @@ def late_room(mutation: Mutation) -> Statement:
     ),
 )
 def room(mutation: Mutation, a: GuardAxis) -> Statement:
-    """what is under way leaves max(brakes + net, 0) of M_min alpha room, ahead or behind or of both
-    rooms together; behind a delay alone M_min alpha (u1 - f_speed - ahead - back) is that.
+    """commands in transit leave max(brakes + net, 0) of M_min alpha room, ahead or behind or of
+    both rooms together; behind a delay alone of M_min alpha (u1 - f_speed - ahead - back).
 
-    Commands under way never take the room that braking needs.
+    Commands in transit never use the room that braking needs.
 
     Given: {sums}; {caps}.
     """
@@ -261,8 +265,8 @@ def room(mutation: Mutation, a: GuardAxis) -> Statement:
      "so": "False: half the window is not enough, since friction can stop the robot inside it."},
 ))  # fmt: skip
 def late_rest(mutation: Mutation, rest: bool) -> Statement:
-    """v = share window p/M_min, after friction has stopped the robot with a share of the window
-    left, is at most what the guard counts from the mean, {part}.
+    """v = share window p/M_min, reached if friction has stopped the robot with a share of the
+    window left, is at most the guard's bound from the mean, {part}.
 
     {so}
 
@@ -299,7 +303,7 @@ def too_fast(mutation: Mutation) -> Statement:
 def maximal(mutation: Mutation) -> Statement:
     """0 <= v <= u1 and F > hi(v): v + T (F + dbar)/M_min > u1.
 
-    No guard that intervenes less is safe.
+    No guard that changes forces less is safe.
 
     Given: {NUMBERS_FREE}; nbar = f_min = f_speed = 0, alpha = 1/T.
     """
@@ -331,15 +335,15 @@ def necessary(mutation: Mutation) -> Statement:
 
 @limits_claim("guard.sides", each=EACH)
 def sides(mutation: Mutation, a: GuardAxis) -> Statement:
-    """with another limit for -v, hi is at least that of the guard whose one limit is the smaller of
-    both, and the caps are that guard's; lo, -hi of -v, with the limits exchanged: at once, behind a
-    delay, and late with jitter.
+    """with another limit for -v, hi is at least that of the guard with the smaller of both limits,
+    and the caps are those of that guard; lo is -hi of -v, with the limits exchanged.  This holds
+    without lateness, behind a delay, and with jitter.
 
-    So a safe force is left at every velocity (guard.feasible and those behind delays), and what is
-    shown of one direction holds with its own limit.
+    So a safe force exists at every velocity (guard.feasible and its variants for delays), and
+    results for one direction hold with its own limit.
 
-    Given: T, M_min, alpha, u1, the limit of -v > 0, delay, jitter, mixed > 0 where they count;
-    M_min <= M_max, alpha T <= 1; any v and any push under way.
+    Given: T, M_min, alpha, u1, the limit of -v > 0, delay, jitter, mixed > 0 if present; M_min <=
+    M_max, alpha T <= 1; any v and any push in transit.
     """
     t = symbols("behind", "behind")
     b, coming = replace(a.bounds, back=t.behind), a.coming
@@ -362,7 +366,7 @@ def longer(_: Mutation) -> Statement:
 
     False: the delay may be stated too long, not too short.
 
-    Given: one command under way.
+    Given: one command in transit.
     """
     a = GuardAxis(DELAYED)
     b = a.bounds

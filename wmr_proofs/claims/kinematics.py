@@ -52,7 +52,7 @@ def null_space(mutation: Mutation) -> Statement:
 def rate_is_map(mutation: Mutation) -> Statement:
     """the pose rate of the plant is H(q) v (H as printed, transposed).
 
-    Forward is (-sin theta, cos theta): theta counts from the Y axis.
+    Forward is (-sin theta, cos theta): theta is measured from the Y axis.
 
     Given: {ANY_POSE}.
     """
@@ -101,7 +101,7 @@ def projection(mutation: Mutation) -> Statement:
 def eq04_reduced(mutation: Mutation) -> Statement:
     """M1 = H' M H = diag(m, I), H' B = B1, H' M H' = 0 (so C1 = 0).
 
-    Thrust and turning do not disturb each other.
+    Thrust and turning are decoupled.
 
     Given: any pose and velocity, m, I, r, l > 0.
     """

@@ -76,7 +76,7 @@ def sum_rule(mutation: Mutation) -> Statement:
 def barrier_rate(mutation: Mutation) -> Statement:
     """f' = sgn(v) v'/(v_u1 - |v|) where |v| > v_u2, else 0.
 
-    The barrier term resists only near the limit.
+    The barrier term acts only near the limit.
 
     Given: {OFF_EDGES}.
     """
@@ -142,7 +142,7 @@ def both_axes(mutation: Mutation) -> Statement:
     """V1' = A' v' - (v - v_c1)' v_c0', both axes together (it follows from the corrected (25), not
     from the printed one).
 
-    What the law can do about the barrier function, and what the moving target does to it.
+    The law's effect on the barrier function, and that of the moving target.
 
     Given: {OFF_EDGES}.
     """

@@ -26,8 +26,8 @@ class NetworkAxis(Named):
     ``free``: V1/A, q, w, S, then A, V1, v_c0', F1, the true mass and the best weights W*, and
     ``inner`` their expressions in the graph; S(Z) is ``basis``, W* ``best``, W^ ``weights``, W~ =
     W^ - W* ``error``.  ``weight_rate`` is (W^(k+1) - W^(k))/T, which the explicit step integrates;
-    ``residual`` eps2 of Eq. (59), taken as its definition: what W*'S misses of the target.  Under
-    the law's force ``barrier_rate`` is V1i' of Eq. (28), ``rate`` V3i', differentiated from (62).
+    ``residual`` eps2 of Eq. (59), which is used as its definition: the target less W*'S. Under the
+    law's force ``barrier_rate`` is V1i' of Eq. (28), ``rate`` V3i', differentiated from (62).
     """
 
     def __init__(self, axis: int) -> None:
@@ -63,7 +63,7 @@ class NetworkAxis(Named):
 
     @property
     def fed(self) -> SX:
-        """What the law's feedback takes from the rate."""
+        """Decrease of the rate due to the law's feedback."""
         return -self.gain("rho1") / self.free.mass * self.free.V
 
     def statement(self, *goals: Any) -> Statement:
@@ -262,7 +262,7 @@ def with_law(mutation: Mutation) -> Statement:
 def with_target(mutation: Mutation) -> Statement:
     """with (59) as the definition of eps2.
 
-    What the network cannot represent remains as eps2.
+    The part that the network cannot represent remains as eps2.
 
     Given: {OFF_TARGET}.
     """

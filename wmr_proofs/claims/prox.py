@@ -1,11 +1,11 @@
 """The sampled-data law: the barrier's proximal map, and its step's effect on V1, target, limit.
 
-About the map: the closed form equals it, and it never expands. The step is v+ = X_(1-E)(E v* +
-(1-E) c+), on the graph of `prox_step`. Proximal maps, the carried velocity v* and values of V1 are
+About the map: the closed form equals it, and it is nonexpansive.  The step is v+ = X_(1-E)(E v* +
+(1-E) c+), on the graph of `prox_step`.  Proximal maps, the carried velocity v* and values of V1 are
 free numbers with the properties that other entries prove; a statement without any of the graphs is
 a LEMMA.
 
-The level transport first: V1 and |w| do not rise when a velocity is carried along with its target.
+First the level transport: V1 and |w| do not rise when a velocity is transported with its target.
 """
 
 from casadi import SX, eq, fmin, if_else, logic_and, logic_or
@@ -72,7 +72,7 @@ transport_claim = Claims()
 def transport_share(mutation: Mutation) -> Statement:
     """0 <= theta <= 1 and theta^2 w^2/2 + theta D1 <= V0.
 
-    How far the velocity is carried is chosen such that what V1 allows is not exceeded.
+    The transport goes only as far as V1 allows.
 
     Given: V0 >= w^2/2, D1 >= 0, any w.
     """
@@ -91,8 +91,8 @@ def moves(mutation: Mutation, smooth: bool) -> Statement:
     """with D = c+ - c, d = v_c1+ - v_c1, w = v - v_c1: -w D + d^2/2 <= V1i(v; c+) - V1i(v; c) <= -w
     D + D d - d^2/2, hence <= -w D + D^2/2; and <= 0 where w d > 0, |d| <= |w|, with either barrier.
 
-    How much V1 can change because its target moves; a target that comes nearer to the velocity
-    lowers it.
+    Largest change of V1 due to its target's motion; a target that approaches the velocity lowers
+    V1.
 
     Given: {ANY_TARGETS}; (y - c)^2/2 + f(y) is at least its value at v_c1 and (y - v_c1)^2/2, at
     the other target's v_c1.
@@ -128,7 +128,7 @@ def level(mutation: Mutation, smooth: bool) -> Statement:
     """V1i(v*; c+) <= V1i(v; c) where |v| < v_u1, and |v* - v_c1+| <= |v - v_c1| for every v
     , with either barrier.
 
-    Carrying the velocity along with its target raises neither V1 nor the distance.
+    Transporting the velocity with its target raises neither V1 nor the distance.
 
     Given: {ANY_TARGETS}; V1i(.; c+) is 0 at v_c1+ and below its chord from there, D1 >= 0, V0 >=
     w^2/2.
@@ -158,7 +158,7 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
     """|v| <= v_u1 implies |v*| <= v_u1, |v| < v_u1 implies |v*| < v_u1, and c+ = c implies v* = v
     , with either barrier.
 
-    Nothing inside the limit is carried out of it; a target that is held carries nothing.
+    No velocity inside the limit is transported out of it; a constant target moves nothing.
 
     Given: {ANY_TARGETS}.
     """
@@ -174,7 +174,7 @@ def stays_inside(mutation: Mutation, smooth: bool) -> Statement:
 def plain(mutation: Mutation, smooth: bool) -> Statement:
     """|v|, |c|, |c+|, |v + c+ - c| <= v_u2 imply v* = v + c+ - c, with either barrier.
 
-    Away from the limits the velocity is carried all the way.
+    Away from the limits the velocity moves by the same amount as the target.
 
     Given: 0 < v_u2 < v_u1; v_c1 = c, v_c1+ = c+, V0 = w^2/2, D1 = 0 there.
     """
@@ -194,7 +194,7 @@ def plain(mutation: Mutation, smooth: bool) -> Statement:
 def root_moves(mutation: Mutation) -> Statement:
     """S(v; c+) <= S(v; c) + |c+ - c|, S = sqrt(2 V1i).
 
-    In units of velocity, V1 rises by no more than the way of its target.
+    In units of velocity, V1 rises by no more than the distance that its target moves.
 
     Given: S, S+ >= 0, w^2 <= 2 V1i.
     """
@@ -268,7 +268,7 @@ def monotone(mutation: Mutation, smooth: bool) -> Statement:
 def not_expansive(mutation: Mutation) -> Statement:
     """|X_k(c1) - X_k(c2)| <= |c1 - c2|.
 
-    Targets that are near stay near.
+    Nearby targets have nearby results.
 
     Given: k > 0; x + k a = c with monotone a.
     """
@@ -282,7 +282,7 @@ def not_expansive(mutation: Mutation) -> Statement:
 def prox_root(mutation: Mutation) -> Statement:
     """the compiled d is the positive root of d (d + t) = k.
 
-    How far below the limit a proximal map ends.
+    Distance of a proximal map's result from the limit.
 
     Given: k > 0, any t.
     """
@@ -369,8 +369,8 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
     """|w+| <= E (|w| + |c+ - c_m|), w = v - v_c1 before (at c) and after (at c+), with either
     barrier.
 
-    The distance to a target that moves shrinks by E in a sample, however long that
-    is, except for the part of the target's way that is not carried along.
+    The distance to a target that moves shrinks by E in a sample, however long that is, except for
+    the part of the target's motion that is not transported.
 
     Given: 0 < v_u2 < v_u1, 0 < E < 1; every v, c, c_m, c+ below 1e100 in size, v_u1 as well.
     """
@@ -391,8 +391,7 @@ def contracts(mutation: Mutation, smooth: bool) -> Statement:
 def decay(mutation: Mutation, smooth: bool) -> Statement:
     """V1i(v+; c+) <= E^2 V1i(v*; c+), with either barrier.
 
-    From the velocity that was carried along V1 falls by exp(-rho T) in a sample, whatever the
-    period and the targets.
+    From the transported velocity V1 falls by exp(-rho T) in a sample, for any period and targets.
 
     Given: 0 < v_u2 < v_u1, 0 < E < 1; v_u1, |c+| < 1e100; |v*| < v_u1; V1i above its tangent at v+,
     at v* and v_c1+.
@@ -414,7 +413,7 @@ def decay(mutation: Mutation, smooth: bool) -> Statement:
 def linear(mutation: Mutation, smooth: bool) -> Statement:
     """v+ = E v* + (1-E) c+ where that is at most v_u2 in size, with either barrier.
 
-    Away from the limits the law closes the distance to its target by E in a sample.
+    Away from the limits the law reduces the distance to its target by the factor E in a sample.
 
     Given: 0 < v_u2 < v_u1, v_u2 < 1e100, 0 < E < 1.
     """
@@ -431,7 +430,7 @@ def margin(mutation: Mutation, smooth: bool) -> Statement:
     (1-E) (C - v_u1 + b)) <= 1 - E, b = 0 with the paper's barrier and 1/(v_u1 - v_u2) with the
     smooth one.
 
-    How far below the limit the law aims, which is what a push may take back.
+    Distance from the limit that the law aims at, which is available for pushes.
 
     Given: 0 < v_u2 < v_u1 <= C < 1e99, 0 < E < 1.
     """
@@ -450,8 +449,8 @@ def rises(mutation: Mutation) -> Statement:
     c).
 
     What remains of V1 after a sample, with the model exact, for every period, every motion of the
-    target and every |v| < v_u1: level transport keeps the decay of V1, two-part transport adds the
-    way that it does not carry.
+    target and every |v| < v_u1: level transport keeps the decay of V1; two-part transport adds the
+    distance that it does not transport.
 
     Given: 0 < E < 1; V1i(v*; c_m) <= V1i(v; c), S(v*; c+) <= S(v*; c_m) + |c+ - c_m|, V1i(v+; c+)
     <= E^2 V1i(v*; c+).

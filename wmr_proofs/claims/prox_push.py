@@ -101,8 +101,7 @@ def assembled(mutation: Mutation, part: str) -> Statement:
     """on the law's graph v+ = X_(1-E)(E v* + (1-E) c+) with E = exp(-rho T/2), c+ = c + T c' and v*
     carried from c to c_m = c + T {moved}, both axes.
 
-    The step that the law takes is the one that the entries prox.* are about, with rates and targets
-    as they are there.
+    The law's step is the one in the entries prox.*, with the same rates and targets.
 
     Given: any pose, velocity, reference and parameters; c' and c'_d the rate of v_c0 and its part
     by the reference's acceleration.
@@ -127,8 +126,8 @@ def assembled(mutation: Mutation, part: str) -> Statement:
 def force(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph v + T (F - F1(v+) - f)/M = v+, on each axis.
 
-    With the model exact the law's force leads to the velocity that it aims at in one period; f is
-    what the observer adds.
+    With an exact model the law's force reaches its intended velocity in one period; f is the
+    observer's force.
 
     Given: T, M > 0; F1(v+) and v+ whatever they are.
     """
@@ -142,8 +141,8 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, for M v' = F - F1(v+) + d over a period: |w+| <= E (|w| + |c+ - c_m|) + T
     |f + d|/M + |eps|, on each axis.
 
-    What a push costs in one sample, at every speed: the part that the observer does not compensate,
-    over the mass. There is no speed from which a push is stronger than the law.
+    The effect of a push in one sample, at every speed: the part that the observer does not
+    compensate, over the mass.  At no speed is a push stronger than the law.
 
     Given: T, M > 0, mass right; w+ the distance to the actual target, c+ + eps.
     """
@@ -163,7 +162,7 @@ def limit(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass right, no guard, torque not limited: from |v| <= v_u1, |c+| <= C to
     |v| <= v_u1 at the next sample, on each axis.
 
-    The limits that the law keeps by itself; the guard keeps them under weaker conditions.
+    The limits that the law keeps without a guard; the guard keeps them under weaker conditions.
 
     Given: T, M > 0; |v+| <= v_u1 - m (prox.margin), |T (f + d)/M| <= m, F1(v+) as believed.
     """
@@ -184,7 +183,7 @@ def falls(after: SX, before: SX, to: SX, share: SX) -> Relations:
 def gain_step(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph: max(|w+| - W, 0) <= E max(|w| - W, 0), on each axis.
 
-    One term of the series that prox.gain sums up.
+    One term of the series in prox.gain.
 
     Given: T, M > 0, 0 < E < 1; |v+ - x+| <= E (|w| + r) (prox.contracts), |f + d| <= p, the
     target's next value off by at most eps; W (1 - E) = T p/M + eps + E r.
@@ -218,10 +217,10 @@ def gain_observer(mutation: Mutation, axis: int) -> Statement:
 
 @claim("prox.observer-first")
 def observer_first(mutation: Mutation) -> Statement:
-    """on the law's graph f = 0 at the first sample, and its velocity is the old one of the next,
-    when the observer has begun; both axes.
+    """on the law's graph f = 0 at the first sample, and its velocity is the old one at the next
+    sample, when the observer has started; both axes.
 
-    From there on prox.observer holds; the first command compensates no push.
+    From the next sample on prox.observer holds; the first command compensates no push.
 
     Given: the state that the law starts from; any first sample.
     """
@@ -235,7 +234,7 @@ def observer_first(mutation: Mutation) -> Statement:
 def observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph f + d = exp(-wo T) (f_old + d_old) + d - d_old, on each axis.
 
-    The observer compensates a push at the rate wo; what remains comes from the push's changes.
+    The observer compensates a push at the rate wo; the remainder is due to the push's changes.
 
     Given: after the first sample; T, M, r, l, wo > 0; M (v - v_old)/T = F_applied - F1 + d_old with
     the believed M and F1 at the middle velocity; d acts from now on.
@@ -252,8 +251,8 @@ def observer_bound(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, with L = 1 - exp(-wo T): |d_old|, |f_old| <= D imply |f| <= D; L |f_old +
     d_old|, |d - d_old| <= D imply L |f + d| <= D, on each axis.
 
-    What the observer leaves over is at most 2 sup |d|, and at most the largest change of d from
-    sample to sample over L.
+    The observer's error is at most 2 sup |d|, and at most the largest change of d from sample to
+    sample over L.
 
     Given: as prox.observer; 0 < exp(-wo T) < 1.
     """
@@ -358,9 +357,9 @@ def jury(mutation: Mutation) -> Statement:
 def light_model(mutation: Mutation) -> Statement:
     """M^ <= (4/3) M makes the velocity loop stable for every rho, T and wo.
 
-    If in doubt, state a mass that is too small rather than too large. This is about a target that
-    is held: the tracking loop makes a larger (a = (1 - E)(1 + T k1) on the linear axis), and
-    `check` has its limits.
+    If in doubt, state a mass that is too small rather than too large.  This is for a constant
+    target: in the tracking loop a is larger (a = (1 - E)(1 + T k1) on the linear axis); `check` has
+    the limits of that loop.
 
     Given: 0 < a, L < 1.
     """

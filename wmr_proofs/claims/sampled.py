@@ -2,11 +2,11 @@
 
 One control period T: v(next) = v + T (F/M - F1/M + d), with the model-based law's own force F (its
 clip of v included), mass exact, d constant over the period, |d| <= D, |v_c0| <= C, |v_c0'| <= R.
-The claim is that |v| <= L < v_u1 is kept.  Friction is left at 0: what is compensated exactly drops
-out, and the rounding of adding it is part of d.
+The claim is that |v| <= L < v_u1 is kept.  Friction is 0: exactly compensated friction cancels, and
+the rounding of adding it is part of d.
 
 With decay = "exact" the period is one Newton step towards V1 exp(-rho T): V1 is shown to lie above
-each of its tangents, corner included; what that means for the step is shown on the law's graph.
+each of its tangents, corner included; the consequence for the step is shown on the law's graph.
 """
 
 from collections.abc import Iterator
@@ -239,8 +239,8 @@ def falls(mutation: Mutation, axis: int) -> Statement:
     """one Newton step towards exp(-rho T) V1 makes V1 fall and does not pass that level: exp(-rho
     T) V1(v) <= V1(v+) < V1(v); on each axis.
 
-    The exact-decay option of the model-based law cannot overshoot, whatever the period. Steps
-    repeated towards one level are each such a step (induction).
+    The exact-decay option of the model-based law cannot overshoot, whatever the period.  Repeated
+    steps towards one level are such steps as well (induction).
     """
     # Tangents at v (towards v+) and at v+ (towards v and v_c1, where V1 = 0).
     s = NewtonStep(axis)

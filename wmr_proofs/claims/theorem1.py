@@ -1,7 +1,7 @@
 """The window argument of Theorem 1: the algebraic steps of Eqs. (40)-(56) on the bounds' graphs.
 
-Position errors first, Eqs. (31)-(39), on V2 and the error dynamics of the product.  From Eq. (50)
-on the robot turns; then the conditions on l.
+First position errors, Eqs. (31)-(39), with V2 and the product's error dynamics; then the window up
+to Eq. (49); from Eq. (50) on the robot turns; at last the conditions on l.
 """
 
 from casadi import SX, cos, sin, sumsqr, vertcat, vertsplit
@@ -545,8 +545,7 @@ def mean(mutation: Mutation) -> Statement:
 def conditions_least(mutation: Mutation, printed: bool = False, least: int = 256) -> Statement:
     """with the paper's gains all six conditions on l (the sixth corrected) hold for every l > 256.
 
-    The theorem asks that the sideways error be more than 256 times the others before it says
-    anything.
+    The theorem applies only if the sideways error is more than 256 times the others.
 
     Given: k = (10, 5, 4), v1d = 0.2, v2max = 1.5.
     """
@@ -573,7 +572,7 @@ def at_256(_: Mutation) -> Statement:
 def conditions_printed(mutation: Mutation) -> Statement:
     """with the sixth condition as printed they hold for every l > 1136.
 
-    The further k2 makes the theorem more than four times weaker.
+    The additional k2 makes the theorem more than four times weaker.
 
     Given: k = (10, 5, 4), v1d = 0.2, v2max = 1.5.
     """
