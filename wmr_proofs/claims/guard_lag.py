@@ -32,7 +32,7 @@ def exponentials(a: GuardAxis) -> Relations:
 
 
 def _core(a: GuardAxis, way: int, room: SX, most: SX) -> SX:
-    """M_min room less the largest effect of the last and the new command, each of at most ``most``."""
+    """M_min room less the largest effect of the last and the new command, each at most ``most``."""
     spare = a.M_min * room + a.slow * a.lasts(way)[0]
     return spare - (a.slow + a.J) * most
 
