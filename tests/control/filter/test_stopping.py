@@ -10,6 +10,7 @@ import pytest
 from benchmarks.filter_trials.altered import ALTERED
 from benchmarks.filter_trials.stopping import (
     FAMILIES,
+    RAMPS,
     TEETH,
     Base,
     Drives,
@@ -57,6 +58,8 @@ def test_drives_neither_touch_nor_stay(name):
     [
         (replace(LATE, error=0.5, v=(1.0, 0.05)), math.inf, (0.0, 0.5)),
         (replace(LATE, leave=20, v=(1.0, 0.05)), math.inf, (0.0, 0.5)),
+        (replace(LATE, push=(0.0, 0.0), v=(1.0, 0.0)), math.inf, (0.0, 0.5)),
+        (replace(RAMPS["slow"], push=(0.0, 0.0), v=(1.0, 0.0)), math.inf, (0.0, 0.5)),
         (replace(LATE, losses=3, jitter=0.5, tau=(0.05, 0.05), rest=0.0), 0.0, (1.0, 0.0)),
     ],
 )

@@ -106,7 +106,7 @@ class RampStopper(Clip, Watching):
         """Free distance from which on no command is limited."""
         V, age = self.channels[axis].sides[place].V, self.p.take("filter.free_age")
         stop = V * self.reaction[axis] + V * V / (2 * self.decel[axis]) + self._kept(axis)
-        return 2 * (stop + V * (age + self.T)) + self.p.take("filter.free_error")
+        return 2 * (stop + V * (age + self.T) + self.p.take("filter.free_error"))
 
     def _kept(self, axis: int) -> ca.SX:
         """Part of the free distance that any stop needs, including releases and approaching

@@ -145,7 +145,7 @@ class StoppingGovernor(Watching, Governor):
         stop, b = self.stops[axis], self.channels[axis].sides[place]
         times = stop.time + stop.fading + self.p.take("filter.free_age")
         kept = (1 + self.scenario.filter.leave) * stop.creep
-        kept += 0 if axis else self.p.take("filter.free_error")
+        kept += 0 if axis else 2 * self.p.take("filter.free_error")
         return 2 * (1 + b.kappa) * (b.V + stop.nearing) * (times + self.T) + kept
 
     @cached_property
