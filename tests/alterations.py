@@ -1,12 +1,12 @@
-"""Alter the product, one function at a time, and see whether the ledger notices.
+"""Alter the product, one function at a time, and report whether the ledger notices.
 
 ``python -m tests.alterations [WORD ...]`` alters each function that a PROVED entry names (only
-those whose name holds one of the words): its result is scaled or negated for every caller, and the
-entries that name it are checked, the quickest first, until one is PROVED no longer.  Then come the
-alterations of single signs and constants in the source (`tests.proofs.test_alterations`), and those
-of world, emitter, C runtime and checks, which tests have to notice (`tests.altered_files`).
-A word such as ``fmu/`` or ``world/`` takes only alterations of files whose path holds it.
-Prints one line each; the exit code is 1 where one survives that is not known to change nothing.
+those whose name contains one of the words).  Its result is scaled or negated for every caller, and
+the entries that name it are checked, the quickest first, until one is no longer PROVED. Then come
+the alterations of single signs and constants in the source (`tests.proofs.test_alterations`), and
+those of world, emitter, C runtime and checks, which tests must notice (`tests.altered_files`).  A
+word such as ``fmu/`` or ``world/`` selects only alterations of files whose path contains it.
+Prints one line each; the exit code is 1 if one survives that is not known to change nothing.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ EQUIVALENT = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """One alteration, and the entry that noticed it; empty where none did."""
+    """One alteration, and the entry that noticed it; empty if none did."""
 
     what: str
     change: str
@@ -50,7 +50,7 @@ class Outcome:
 
     @property
     def survived(self):
-        """Whether nothing noticed it, although something should have."""
+        """True if nothing noticed the alteration, although something should have."""
         return not self.noticed_by and (self.what, self.change) not in EQUIVALENT
 
 
@@ -97,7 +97,7 @@ def of_files(words):
 
 
 def main(words):
-    """Print every outcome and their number; 1 where one survived."""
+    """Print every outcome and their number; return 1 if one survived."""
     outcomes = []
     for outcome in chain(of_graphs(words), of_source(words), of_files(words)):
         outcomes.append(outcome)

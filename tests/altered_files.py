@@ -1,8 +1,8 @@
-"""Alterations of the product's text that tests have to notice: world, emitter, C runtime, checks.
+"""Alterations of the product's text that tests must notice: world, emitter, C runtime, checks.
 
-What the ledger proves is altered in memory (`tests.alterations`); here a copy of the tree has one
-place of one file altered, and the tests that are named beside it run on the copy, or after the word
-``prove`` the entries of the ledger.
+Functions that the ledger covers are altered in memory (`tests.alterations`).  Here one place of one
+file is altered in a copy of the tree, and the tests named beside it run on the copy; after the word
+``prove`` the named entries of the ledger are checked instead.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ NOT_NOTICED = tuple(_listed("unnoticed"))
 
 @contextmanager
 def altered_copy(base, alteration):
-    """For a time the file of a copied tree is altered.  ValueError where it lacks the place."""
+    """Context in which the file of a copied tree is altered; ValueError if it lacks the place."""
     file = base / alteration.path
     text = file.read_text(encoding="utf-8")
     if alteration.old not in text:
@@ -61,7 +61,7 @@ def altered_copy(base, alteration):
 
 
 def copy_of_tree(base):
-    """What tests need of the project, under ``base``."""
+    """Copy of the project's files that tests need, under ``base``."""
     for name in COPIED:
         source = ROOT / name
         if source.is_dir():
@@ -72,7 +72,7 @@ def copy_of_tree(base):
 
 
 def check_tests(base, rows):
-    """Raise RuntimeError where a row names a test that is not there."""
+    """Raise RuntimeError if a row names a test that does not exist."""
     tests = (row.tests for row in rows if not row.tests.startswith(PROVE))
     named = sorted({test for text in tests for test in text.split()})
     if not named:
@@ -88,9 +88,9 @@ def check_tests(base, rows):
 
 
 def failing(base, tests):
-    """The first of the tests that fails on a copied tree; empty where all pass.
+    """The first of the tests that fails on a copied tree; empty if all pass.
 
-    Tests that do not end or crash fail, too.  RuntimeError where they could not run at all.
+    Tests that do not end or crash fail, too.  RuntimeError if they could not run at all.
     """
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-n", "0", "-m", "", "--tb=no",
                "-o", f"cache_dir={base / 'cache'}", *tests.split()]  # fmt: skip

@@ -31,7 +31,7 @@ BESIDE_QEMU = {"QEMU_LD_PREFIX": str(ARM_LIBRARIES)}
 
 
 def where(*names):
-    """The first of these programs that is there; skips where none is."""
+    """The first of these programs that is installed; skips if none is."""
     path = next((path for path in map(shutil.which, names) if path), None)
     if path is None:
         pytest.skip(f"NOT RUN: {names[0]} is not on this machine")
@@ -39,7 +39,7 @@ def where(*names):
 
 
 def needs_compiler(command):
-    """Skip where the compiler that a command calls is missing."""
+    """Skip if the compiler that a command calls is missing."""
     if tuple(command[: len(ZIG)]) != ZIG:
         where(command[0])
     elif importlib.util.find_spec("ziglang") is None:
@@ -69,7 +69,7 @@ def compile_program(folder, command, units, out):
 
 
 def processor():
-    """Names of this processor's instructions, as Linux tells them."""
+    """Names of this processor's instructions, as Linux reports them."""
     path = Path("/proc/cpuinfo")
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
     return {word for line in text.splitlines() if line.startswith("flags") for word in line.split()}
@@ -77,11 +77,12 @@ def processor():
 
 @lru_cache
 def wine():
-    """Environment in which wine runs a program at once, with a folder of the tests' cache as home.
+    """Environment in which wine starts a program quickly, with a folder of the tests' cache as
+    home.
 
-    Setting up a Windows takes wine a minute of a processor and 700 MB: the stamp says that there
-    is nothing to bring up to date. Programs for the command line need none of it, since in the
-    mode that serves for setting up, libraries come from where wine itself is installed.
+    Setting up a Windows takes wine a minute of a processor and 700 MB. A stamp file says that the
+    set-up is complete.  Command-line programs do not need it: in this mode libraries come from
+    wine's own installation.
     """
     home = cache_dir() / "wine"
     prefix = home / "prefix"

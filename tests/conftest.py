@@ -1,8 +1,8 @@
-"""Settings for all tests: a build cache of their own, no windows, repeatable random examples.
+"""Settings for all tests: a separate build cache, no windows, repeatable random examples.
 
-Libraries are compiled at the level -O0, which takes a quarter of the time of -O3; that is more than
-runs lose by it. The bits are the same: tests/bits compares builds at -O2 and -O3, for every law.
-Where tcc is installed it compiles FMUs, and loops of the folders that are not about compiled code.
+Libraries are compiled at the level -O0, which takes a quarter of the time of -O3; slower runs cost
+less than that.  The bits are the same: tests/bits compares builds at -O2 and -O3, for every law.
+If tcc is installed it compiles FMUs, and loops of the folders that are not about compiled code.
 """
 
 import gc
@@ -47,9 +47,9 @@ settings.load_profile("project")
 def pytest_configure(config):
     """Keep compiled kernels in pytest's own cache folder, so that HOME stays untouched.
 
-    Garbage is looked for seldom: what tests and graphs are made of is many objects, and stays.
-    Bytecode is kept: processes by the hundred import the same modules.  So is memory that a process
-    has freed, by those that are started from here on: a solver asks for 16 MB a thousand times.
+    Garbage is collected rarely: tests and graphs consist of many objects that persist.  Bytecode is
+    kept, since hundreds of processes import the same modules.  Child processes keep freed memory,
+    since a solver requests 16 MB a thousand times.
     """
     gc.set_threshold(50_000, 20, 50)
     sys.dont_write_bytecode = False
@@ -64,7 +64,7 @@ def pytest_configure(config):
 
 
 def compile_quickly():
-    """Have FMUs and loops compiled by what takes least time; zig begins by building a C library."""
+    """Have FMUs and loops compiled by the fastest compiler; zig first has to build a C library."""
     if compiler := shutil.which("cc"):
         os.environ.setdefault("WMR_CTRL_FMU_CC", "tcc" if QUICK else "cc")
         os.environ.setdefault("WMR_TESTS_CC", compiler)
@@ -72,7 +72,7 @@ def compile_quickly():
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item):
-    """The compiler of PATH is a user's own in the folders that are about compiled code."""
+    """In the folders about compiled code, use the user's compiler from PATH."""
     if QUICK:
         others = [part for part in os.environ["PATH"].split(os.pathsep) if part != QUICK]
         quick = [] if item.nodeid.startswith(COMPILED) else [QUICK]
@@ -95,7 +95,7 @@ def one_set_of_instructions():
 
 @pytest.fixture
 def every_set_of_instructions(one_set_of_instructions, monkeypatch):
-    """For tests of vectors: loops for lanes are compiled as a user has them."""
+    """For tests of vectors: compile loops for lanes as users have them."""
     from wmr_ctrl.codegen import build
 
     monkeypatch.setattr(build, "vector_sets", one_set_of_instructions)
@@ -112,10 +112,10 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_collection(session):
-    """Where several processes collect all tests, each module is compiled by one of them alone.
+    """If several processes collect all tests, let only one of them compile each module.
 
-    Its bytecode, with what pytest writes into it, is kept; so each process begins with modules of
-    its own and finds those of the others. One that cannot be imported fails where it is collected.
+    Its bytecode, with pytest's changes, is kept, so each process begins with its own modules and
+    finds those of the others.  A module that cannot be imported fails where it is collected.
     """
     count, name = (os.environ.get(f"PYTEST_XDIST_{key}", "") for key in ("WORKER_COUNT", "WORKER"))
     if not count or session.config.args != ["tests"]:

@@ -1,4 +1,4 @@
-"""Compilers and language standards that the C of this project is for."""
+"""Compilers and language standards that the project's C supports."""
 
 import shutil
 import subprocess
@@ -21,7 +21,7 @@ LANGUAGES = {
 
 
 def compile_all(language, folder, units, *flags):
-    """Compile each unit in ``folder``; skip, saying so, without the compiler."""
+    """Compile each unit in ``folder``; skip with a reason if the compiler is missing."""
     command = LANGUAGES[language].split()
     if shutil.which(command[0]) is None:
         pytest.skip(f"NOT RUN: {command[0]} is not there")

@@ -27,7 +27,7 @@ safe = partial(preset, "safe-simulation")
 
 
 def paper_toml(text, name="unnamed", folder="."):
-    """The scenario of TOML text, in which what it leaves out is the paper's."""
+    """The scenario of TOML text; omitted values are the paper's."""
     whole = isinstance(text, bytes) or "extends" in text or ("[robot]" in text and "v_u1" in text)
     if whole:
         return loads_scenario(text, name, folder)

@@ -1,4 +1,4 @@
-"""The list of altered places speaks of the product as it is."""
+"""The list of altered places fits the present product."""
 
 from tests.altered_files import ALTERED_FILES, NOT_NOTICED, PROVE, ROOT
 from wmr_ctrl.results.ledger import load

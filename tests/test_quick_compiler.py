@@ -1,4 +1,4 @@
-"""The quick compiler takes what it can do right, and leaves the rest to the one of PATH."""
+"""The quick compiler gets the code that it compiles correctly, the compiler from PATH the rest."""
 
 import os
 import subprocess

@@ -25,7 +25,9 @@ def test_the_questions_of_the_analysis_are_all_there():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
 def test_a_notebook_asks_a_question_and_ends_in_facts(path):
-    """It begins with its settings, its outputs are cleared, and every figure has a caption."""
+    """Also: the first cell has the settings, outputs are cleared, and every figure has a
+    caption.
+    """
     book = json.loads(path.read_text(encoding="utf-8"))
     prose, code = cells(path, "markdown"), cells(path, "code")
     shown = [(c["outputs"], c["execution_count"]) for c in book["cells"] if "outputs" in c]
@@ -65,7 +67,7 @@ def test_each_notebook_has_a_small_figure_in_the_index():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=NAMES)
 def test_a_notebook_imports_what_the_index_names_alone(path):
-    """So it works beside an installed package, wherever it lies."""
+    """So it works beside an installed package, in any folder."""
     index = (FOLDER / "README.md").read_text(encoding="utf-8")
     known = {"matplotlib", "numpy", "scipy", "casadi", "control", *sys.stdlib_module_names}
     for node in ast.walk(ast.parse("\n".join(cells(path, "code")))):
@@ -99,7 +101,9 @@ OF_VELOCITIES = [name for name in NAMES if name[:2] in ("02", "04", "11", "12")]
 
 @pytest.fixture(scope="session")
 def executed(tmp_path_factory):
-    """Runs the notebooks of one process, one after another, in an empty folder; with a scenario."""
+    """Runner of the notebooks of one process, one after another, in an empty folder; with a
+    scenario.
+    """
     render = pytest.importorskip("analysis.render", reason="needs the extra notebooks")
     folder = tmp_path_factory.mktemp("alone")
 

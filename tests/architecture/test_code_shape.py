@@ -47,7 +47,7 @@ def test_most_functions_take_a_few_lines():
 
 
 def test_what_users_call_is_typed_to_the_end():
-    """No ``Any`` in public signatures and fields, but where a type follows from a value."""
+    """No ``Any`` in public signatures and fields, except where a type follows from a value."""
 
     def loose(module):
         names = set() if module.room in NUMBERS_OF_ANY_KIND else {*untyped(module.tree)}

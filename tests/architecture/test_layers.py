@@ -69,7 +69,7 @@ def in_package():
 
 
 def test_imports_come_from_rooms_below():
-    """Imports that only annotations need count too."""
+    """Imports only for annotations count, too."""
     above = {
         module.name: {
             name
@@ -84,7 +84,7 @@ def test_imports_come_from_rooms_below():
 
 
 def test_no_import_goes_from_the_package_to_its_proofs():
-    """wmr_proofs is found by name, by one door in `theory`."""
+    """One module in `theory` finds wmr_proofs by name."""
 
     def imported(module):
         return [x for x in module.imports(typing=True) if x.split(".")[0] == "wmr_proofs"]
@@ -111,7 +111,7 @@ def test_files_of_a_folder_import_each_other_relatively():
 
 
 def test_no_file_imports_itself_by_way_of_others():
-    """Imports within functions count; what only annotations need does not."""
+    """Imports within functions count; imports only for annotations do not."""
     edges = {module.name: {*module.imports()} - {module.name} for module in modules()}
     ours = {name: {other for other in used if other in edges} for name, used in edges.items()}
 
@@ -119,7 +119,7 @@ def test_no_file_imports_itself_by_way_of_others():
 
 
 def circle(edges):
-    """Names on cycles of a graph, sorted, with names between two cycles; often none."""
+    """Sorted names on cycles of a graph, and names between two cycles; usually none."""
     left = set(edges)
     while True:
         used = {name for other in left for name in edges[other]}

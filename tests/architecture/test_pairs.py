@@ -50,7 +50,7 @@ def fault(module, path):
 
 
 def uses(tree, name):
-    """Whether functions of a test name what they import from a module."""
+    """True if functions of a test use what they import from a module."""
     imported = {given for given, home in imports_of(tree) if home == name}
     named = (node.id for node in nodes_of(tree) if isinstance(node, ast.Name))
     return not imported.isdisjoint(named)
@@ -66,7 +66,7 @@ def imports_of(tree):
 
 @cache
 def home(package, name):
-    """The module that ``from package import name`` leads to, through what packages hand on."""
+    """The module that defines a name, following re-exports by packages."""
     by_name = {item.name: item for item in modules()}
     if f"{package}.{name}" in by_name:
         return f"{package}.{name}"
@@ -82,7 +82,7 @@ def home(package, name):
 
 
 def asserts(tree):
-    """Whether a test asserts values or errors, itself or by a helper of that name."""
+    """True if a test asserts values or errors, itself or through a helper of that name."""
     called = (node.func for node in nodes_of(tree) if isinstance(node, ast.Call))
     names = {ast.unparse(item).rpartition(".")[2] for item in called}
     by_others = any(name == "raises" or name.startswith("assert_") for name in names)

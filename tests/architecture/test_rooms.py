@@ -1,4 +1,4 @@
-"""The rooms of the two packages: how many, what each is for, how large, and what names say."""
+"""The rooms of the two packages: number, purpose, size and names."""
 
 import ast
 import io

@@ -34,9 +34,9 @@ class Module:
         return room_of(self.name)
 
     def imports(self, *, typing=False):
-        """Every imported module, wherever the statement stands; names count as modules if so.
+        """Every imported module, wherever the statement is; imported names that are modules count.
 
-        With ``typing`` also what only annotations need, under ``if TYPE_CHECKING:``.
+        With ``typing`` also imports only for annotations, under ``if TYPE_CHECKING:``.
         """
         unused = set() if typing else for_typing(self.tree)
         for node in nodes_of(self.tree):
@@ -80,14 +80,14 @@ def paths():
 
 
 def offenders(check):
-    """Module to what ``check`` says is wrong in it, for the modules where there is something."""
+    """For each faulty module the faults that ``check`` reports."""
     faults = {module.name: list(check(module)) for module in modules()}
     return {name: wrong for name, wrong in faults.items() if wrong}
 
 
 @cache
 def nodes_of(tree):
-    """All nodes of a syntax tree: many tests walk the same ones."""
+    """All nodes of a syntax tree, cached, since many tests walk the same ones."""
     return tuple(ast.walk(tree))
 
 
@@ -145,7 +145,7 @@ def text_files():
 def project_files(root=ROOT):
     """Files that git tracks and new ones in the project's folders; without git, all files in these.
 
-    Files that users' commands write beside them (reports, FMUs, scenarios) do not belong to them.
+    Files that users' commands write there (reports, FMUs, scenarios) are excluded.
     """
     if shutil.which("git") and (root / ".git").exists():
         listed = (("--cached",), ("--others", "--exclude-standard", "--", *FOLDERS))

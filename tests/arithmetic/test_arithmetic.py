@@ -1,4 +1,4 @@
-"""Elementary functions: how near they are to the truth, special values, lanes like numbers."""
+"""Elementary functions: accuracy, special values, and equality of lanes and single numbers."""
 
 import itertools
 import math
@@ -129,7 +129,7 @@ def test_functions_are_as_right_as_the_header_says(name):
 
 @pytest.mark.parametrize("name", ["sin", "cos", "tan"])
 def test_angles_of_any_size_are_reduced_exactly(name):
-    """Next to multiples of pi/2 too: the first is the double that is nearest to one of all."""
+    """Also next to multiples of pi/2; the first angle is the double nearest to any multiple."""
     given = np.array([6381956970095103 * 2.0**797, 1e300, 1e22, 2.0**1023, -1.7976931348623157e308])
 
     assert worst(name, (given,), precision=1300) <= LIMITS[name]
@@ -137,7 +137,7 @@ def test_angles_of_any_size_are_reduced_exactly(name):
 
 @pytest.mark.parametrize("name", EVERY)
 def test_special_values_are_the_c_librarys(name):
-    """Signs of zeros included."""
+    """Including the signs of zeros."""
     rows = itertools.product(SPECIAL, SPECIAL) if name in PAIRS else zip(SPECIAL, strict=True)
     given = [np.array(column) for column in zip(*rows, strict=True)]
     found = called(name, *given, of=library())

@@ -62,7 +62,9 @@ def test_compilers_processors_and_systems_give_the_same_bits(name, tmp_path):
 
 @pytest.mark.slow
 def test_fused_operations_would_be_seen(tmp_path):
-    """Hashes notice a last digit: contraction changes them on a processor with fused operations."""
+    """Hashes change with the last digit: contraction changes them on a processor with fused
+    operations.
+    """
     if "fma" not in processor():
         pytest.skip("NOT RUN: no x86 processor with fused operations")
     fused = shown(tmp_path, ("gcc", "-O2", "-march=native"), flags=("-ffp-contract=fast",))

@@ -39,7 +39,7 @@ def fails():
 
 @pytest.mark.slow
 def test_what_cannot_be_measured_is_a_line_with_its_reason(monkeypatch):
-    """One that cannot be built, one that raises when it runs, and one that ends its process."""
+    """One candidate cannot be built, one raises when it runs, and one ends its process."""
     works = partial(Candidate, list, 1)
     groups = (
         {"nn_hand": fails, "nn": works, "nn_vm": works, "nn_numpy": partial(Candidate, fails, 1)},

@@ -78,7 +78,7 @@ def test_a_least_command_that_does_not_act_is_noticed(share, seen):
 @pytest.mark.parametrize("number", [0, 5, 7, 11, 12, 13, 18, 28, 32, 33, 36, 37, 41])
 @pytest.mark.slow_but("5", "7", "28", "33", "37")
 def test_a_few_trials_of_some_statements(number):
-    """The last of the broken hypotheses, or another where so few trials miss it."""
+    """The last broken hypothesis is tried, or another one if so few trials miss it."""
     item = STATEMENTS[number]
 
     assert item.inside(400, 5).max() <= 1.0

@@ -16,7 +16,7 @@ def test_every_law_has_a_row_at_every_period():
 
 
 def test_both_laws_are_on_one_front():
-    """The product of RMS and torque change, of prox to kanayama's: within 5 %, or less."""
+    """The product of RMS and torque change of prox is at most 5 % above that of kanayama."""
     found = [row[5] for row in table(RESULTS, front.NAME)[1:] if row[1] == "prox"]
 
     assert len(found) == len(front.CASES)

@@ -22,7 +22,7 @@ def test_the_rule_finds_what_is_wrong(changed):
 
 @pytest.mark.slow
 def test_some_runs_are_judged_as_the_rule_has_it_with_few_misses_and_false_alarms():
-    """The first rows of the table of 300 that the benchmark prints."""
+    """They are the first rows of the benchmark's table of 300."""
     found = list(judged(REPORTED_ON, 6))
     good = [row for row in found if not row.faults]
 

@@ -1,7 +1,7 @@
 """Every law in every case on every platform: ``python -m tests.bits [NAME ...]``; some 20 minutes.
 
-Each line is a platform, a law and what was found; without names, all platforms.  The tests take a
-part of these, in which every law occurs.
+Each line has a platform, a law and the result; without names, all platforms.  The tests take a part
+of these, in which every law occurs.
 """
 
 import sys

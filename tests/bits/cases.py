@@ -41,7 +41,7 @@ CASES = {
 
 @dataclass(frozen=True)
 class Case:
-    """A law's loop as one of CASES has it, compiled for one robot."""
+    """A law's loop in the form of one of CASES, compiled for one robot."""
 
     name: str
     setup: Setup
@@ -63,7 +63,7 @@ class Case:
         return list(windows_of(self.loop.settings).values())
 
     def bits(self):
-        """What case.c shows, from our library: rows, findings, state; findings, state, sums."""
+        """The output of case.c, from our library: rows, findings, state; findings, state, sums."""
         task = Task(self.loop, SEED)
         logged, watched = laid_out([task], [], log=True), laid_out([task], self.windows)
         logged.run()
@@ -112,7 +112,7 @@ def numbers(one):
 
 
 def listed(values):
-    """Numbers as C spells their very bits."""
+    """Numbers as C literals with exact bits."""
     return ", ".join(map(_spelled, values))
 
 

@@ -42,7 +42,7 @@ class Platform:
 
 
 def check_tools(platform):
-    """What runs a program of the platform; skips where something is missing."""
+    """Skip if a tool that the platform's programs need is missing."""
     needs_compiler(platform.command)
     for flag, name in INSTRUCTIONS.items():
         if flag in platform.command and name not in processor():

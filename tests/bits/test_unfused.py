@@ -56,7 +56,7 @@ def test_builds_for_vectors(vectors):
 @pytest.mark.parametrize("law", NAMES)
 @pytest.mark.slow_but("mb")
 def test_loops_take_one_number_after_the_other(law):
-    """So that no two stores of a loop stand side by side in memory."""
+    """So no two stores of a loop are adjacent in memory."""
     text = case(law, "everything").program.generated["kernels.c"]
     places = set(re.findall(r"\[([^\]]*\bj\b[^\]]*)\]", text))
 

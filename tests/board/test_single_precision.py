@@ -1,4 +1,4 @@
-"""Where single precision keeps the velocity limit: wherever double precision does."""
+"""Single precision keeps the velocity limit wherever double precision does."""
 
 import shutil
 
@@ -60,7 +60,7 @@ def test_the_limit_is_kept_from_the_stated_region(law, guarded, control, tmp_pat
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.slow_but("-1.0-pid-sides0", "1.0-mb-sides2")
 def test_the_guard_keeps_the_limit_against_the_worst_push(law, side, sides, tmp_path):
-    """A disturbance of dbar all the time, a target ahead."""
+    """A disturbance of dbar acts all the time, with a target ahead."""
     scenario = nominal(1e-2, changes(WORST) | sides)
     build = HostBuild(law, scenario, tmp_path, float32=True)
     robot = Robot(scenario, np.array([0.0, -side * 60.0, 0.0, 0.0, 0.0]))

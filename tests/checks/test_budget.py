@@ -1,4 +1,4 @@
-"""Work of a verdict: counted alike whatever was asked before, and honest where it is spent."""
+"""Work of a verdict: independent of earlier requests, and charged where it is spent."""
 
 import os
 import subprocess

@@ -51,7 +51,7 @@ def still(changed):
 
 
 def started(scenario, away):
-    """Error and velocity (N, 5) of the run of mb that starts so far from the reference."""
+    """Error and velocity (N, 5) of the run of mb that starts at a distance from the reference."""
     at = sample(scenario, np.array([0.0]))[0]
     level = np.asarray(error_rotation(at[2]).T @ error_rotation(0.0)) @ away[:3]
     start = {
@@ -106,9 +106,9 @@ def test_a_small_displacement_follows_the_matrices_with_late_filtered_or_rare_po
 
 
 def finals(scenario, law, samples):
-    """Gradient of the whole state after some samples by that at the start, by central differences.
+    """Gradient of the whole state after some samples by the initial state, by central differences.
 
-    Flags stay as they are; the pose afterwards is seen as tracking error.
+    Flags stay as they are; the final pose is expressed as tracking error.
     """
     ready = runnable(scenario, law)
     ports, columns = ready.compiled.layout.state, []
@@ -155,7 +155,9 @@ def test_on_a_slope_the_matrix_depends_on_the_heading():
 
 
 def test_the_origin_of_the_path_length_is_no_state():
-    """Encoders and means know the way; as much more of it is neither stable nor unstable."""
+    """Encoders and means read the path length; adding a constant to it is neither stable nor
+    unstable.
+    """
     for effects in ("window and age", "encoder"):
         loop = Loop(settle(still(changes(EFFECTS[effects])), "mb"))
         values = np.linalg.eigvals(closed(loop, V_D, T))
@@ -182,7 +184,7 @@ def test_a_products_radius_per_factor_is_the_geometric_mean_of_what_commutes(fac
 
 
 def test_stretches_of_a_reference_share_its_period_and_have_the_velocity_of_their_middles():
-    """Neighbours are one only where both velocities are the same."""
+    """Neighbours are merged only if both velocities are equal."""
     scenario = still({"reference.kind": "lemniscate"})
     each, shares, cycle = stretches_of(scenario)
     counts = np.round(16 * shares).astype(int)

@@ -8,7 +8,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 
 def test_a_base_that_takes_velocities_gets_no_advice_on_torques_of_the_law():
-    """A law on a velocity base sends no torque and takes no guard: advice on both is left out."""
+    """A law on a velocity base sends no torque and takes no guard, so advice on both is omitted."""
     free = {"filter.kind": "none", "initial.pose": [-2.0, -2.0, 0.0]}
     setup = settle(load_scenario("turtlebot3-burger", free), "pid")
     said = " ".join(str(item) for item in (*warnings_for(setup), *grip_warnings(setup)))

@@ -25,7 +25,7 @@ def test_first_step_of_the_model_based_law(loop, period, omega):
 
 
 def test_first_step_begins_with_the_speed_at_the_start(loop):
-    """Backwards at first, and towards the reference from there."""
+    """The robot starts backwards and then moves towards the reference."""
     assert first_speeds(loop("mb", {"initial.velocity": [-0.9, 0.0]}))[0] == 0.9
 
 
@@ -53,7 +53,7 @@ def test_guarded_first_step_stays_inside(loop, told):
 
 @pytest.mark.slow
 def test_a_window_of_one_sample_goes_with_the_period():
-    """The limit is the same from whatever period the search begins."""
+    """The limit does not depend on the period at which the search begins."""
 
     def limit(period, counts=1024):
         stated = {"encoder.counts": counts, "clock.duration": 8.0, "guard.enabled": False}

@@ -54,7 +54,7 @@ def moving(changed):
 
 
 def off(scenario, law, away):
-    """Tracking error and velocity (N, 5) of a run that starts so far off."""
+    """Tracking error and velocity (N, 5) of a run that starts at a distance from the reference."""
     start = (np.array(scenario.initial.pose) + away * AWAY).tolist()
     run = simulate(scenario, law, overrides={"initial.pose": start})
     return np.column_stack((run["e"], run["v1"], run["omega"]))
@@ -68,9 +68,9 @@ def off(scenario, law, away):
     ],
 )
 def test_a_small_displacement_follows_the_matrices(law, base):
-    """Differences of compiled runs, which know nothing of derivatives.
+    """The comparison uses differences of compiled runs, without derivatives.
 
-    Commands under way at the start are those of a base that stands.
+    Commands in transit at the start are those of a base at rest.
     """
     scenario = moving(BASES[base])
     seen = (off(scenario, law, SMALL) - off(scenario, law, -SMALL)) / (2 * SMALL)
@@ -138,7 +138,7 @@ def test_no_period_is_stable_over_which_the_base_stops_between_two_commands():
 
 @pytest.mark.slow
 def test_a_base_so_weak_that_its_robot_stays_behind_has_no_number():
-    """Pure pursuit commands the reference's speed: at half of it the way behind grows for ever."""
+    """Pure pursuit commands the reference's speed: at half of it the distance grows for ever."""
     weak = moving({"base.gain": [0.5, 0.5], "clock.duration": 60.0})
     run = simulate(weak, "pursuit")
     (told,) = sample_time(loop_of(settle(weak, "pursuit")))

@@ -81,7 +81,7 @@ def test_the_oldest_velocity_is_as_old_as_its_age_and_its_window():
 
 
 def test_points_of_a_reference_lie_within_its_cycle():
-    """Points spread over a run of eight cycles would all be at one place of the reference."""
+    """If spread over a run of eight cycles, all points would be at one place of the reference."""
     eight = {"reference.kind": "lemniscate", "reference.rate": 2 * math.pi / 10}
     points = operating_points(load_scenario("paper-simulation", eight))
 

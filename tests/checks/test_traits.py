@@ -34,7 +34,7 @@ def plain(monkeypatch):
 
 
 def spoken(text, law):
-    """Traits that a text speaks of though the law does not state them."""
+    """Traits that a text mentions although the law does not state them."""
     stated = LAWS[law].traits
     return [name for name, words in FOREIGN.items()
             if re.search(words, text) and not getattr(stated, name)]  # fmt: skip

@@ -56,7 +56,7 @@ def test_headlines_name_exactly_the_drawn_bounds_that_are_zero(seed):
 
 
 def assert_named(setup, pushed, error):
-    """The headline names a zero of each, and a warning that objects to nothing does so too."""
+    """Assert that the headline and a warning without objection each name a bound of 0."""
     said = promise(setup)
     zeros = [bound is not None and 0 in bound for bound in (pushed, error)]
 

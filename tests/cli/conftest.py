@@ -36,7 +36,7 @@ def wmr(monkeypatch):
 
     It takes a command line, or words.
 
-    How long a job takes is not told on stderr, since it depends on the machine's load.
+    Lines on stderr about a job's duration are removed, since they depend on the machine's load.
     """
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setattr(console, "FIRST", math.inf)

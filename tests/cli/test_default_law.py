@@ -1,4 +1,4 @@
-"""The law that drives where none is named: who states it, who hears, whose gains are judged."""
+"""The default law: who states it, which messages mention it, whose gains are judged."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,6 @@
-"""The dossier says what scenario, ledger and tests say; nothing is signed without a promise."""
+"""The dossier agrees with scenario, ledger and tests; without a promise there is nothing to
+sign.
+"""
 
 import json
 import re
@@ -64,7 +66,7 @@ def setup_of(source, stated=None):
 
 @pytest.fixture
 def own(tmp_path):
-    """File of a robot of one's own."""
+    """File of a user's own robot."""
     path = tmp_path / "mine.toml"
     path.write_text(OWN, "utf-8")
     return str(path)

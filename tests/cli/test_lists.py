@@ -82,7 +82,7 @@ def test_laws(wmr):
 
 
 def test_every_objection_and_remark_has_a_remedy():
-    """Except those of a law's own gains, and remarks that only narrow a promise."""
+    """Exceptions: objections to a law's own gains, and remarks that only narrow a promise."""
     objections = Path(checks.__file__).parent.glob("*.py")
     literal = (
         re.findall(r"[ (]Warning\(\s*\"([a-z._A-Z]+)\"", file.read_text()) for file in objections
@@ -96,7 +96,7 @@ def test_every_objection_and_remark_has_a_remedy():
 
 
 def test_each_objection_is_shown_once_with_a_remedy():
-    """Without --only; what looks like another unit comes before the guarantee."""
+    """Without --only; questions about units come before the guarantee."""
     changes = {"robot.m": 6000.0, "model.m": 80.0, "guard.enabled": True, "clock.duration": 1.0,
                "disturbance.std": 0.5, "encoder.counts": 1000.0}  # fmt: skip
     case = load_scenario("paper-simulation-nominal", changes)

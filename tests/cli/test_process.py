@@ -101,7 +101,9 @@ def test_interruption_of_the_imports_is_no_traceback(environment, tmp_path, seco
 
 
 def test_what_a_library_makes_of_an_interruption_is_one(monkeypatch, capsys):
-    """NumPy's import says ImportError, and Python RuntimeError while it makes a class."""
+    """An interrupt during NumPy's import becomes an ImportError, and during a class definition a
+    RuntimeError.
+    """
     assert explain(ImportError("numpy failed to import"), debug=False) == 70
     monkeypatch.setattr(Interruption, "heard", True)
     assert explain(ImportError("numpy failed to import"), debug=False) == 130

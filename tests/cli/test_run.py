@@ -138,7 +138,9 @@ def test_a_file_with_the_shared_k_is_told_which_law_does_not_read_it(wmr, tmp_pa
 
 
 def test_keys_without_effect_are_named_if_the_user_states_them(short_run, tmp_path):
-    """Not those of presets, nor gains of other laws in a file; the shared k where a law has one."""
+    """Keys of presets and gains of other laws in a file are not named; the shared k is, if the law
+    has its own.
+    """
     path = tmp_path / "mine.toml"
     path.write_text('extends = "paper-simulation"\n[gyro]\nnoise = 0.1\n')
 

@@ -41,7 +41,9 @@ def run():
 
 @pytest.fixture
 def asked(monkeypatch, run):
-    """Laws and seeds of the requested runs; `simulate` is replaced and makes none."""
+    """Laws and seeds of the requested runs; a replacement of `simulate` records them and makes no
+    run.
+    """
     found = []
 
     def note(_, law, *, seed=0, **__):

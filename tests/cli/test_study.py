@@ -1,4 +1,4 @@
-"""`wmr-ctrl study`: what it prints and writes, and one paragraph for what cannot be."""
+"""`wmr-ctrl study`: its output and files, and one paragraph for each impossible request."""
 
 import csv
 import json

@@ -48,7 +48,7 @@ def test_an_error_is_tracked_up_to_the_tolerance(run):
 
 
 def test_figures_name_the_robot_of_their_window(run):
-    """The last quarter is 40 kg's alone, and the whole run has both."""
+    """In the last quarter only the robot of 40 kg drives; the whole run has both."""
     ise = figures_of(run)["ise"]
 
     assert ise["before"] > 9 * ise["after"]
@@ -97,7 +97,7 @@ def test_torques_are_those_of_the_figures(run):
 
 @pytest.mark.parametrize("preset", preset_names())
 def test_a_run_is_told_on_one_screen_with_what_matters_for_its_base(preset):
-    """Rows in short are among all; a base that takes velocities has none about torques."""
+    """The short rows are among all rows; a base that takes velocities has none about torques."""
     case = load_scenario(preset, {"clock.duration": 1.0, "metrics.split": 0.5,
                                   "metrics.rms_from": 0.2, "changes": []})  # fmt: skip
     run = simulate(case, default_law(case).name, engine="numpy")
@@ -160,7 +160,7 @@ def test_a_seed_is_from_zero_up_and_below_its_end(seed, good):
 
 
 def test_laws_are_named_once_each_in_the_order_in_which_they_were_given():
-    """Also beside all; one that does not exist is refused later on."""
+    """Also in combination with "all"; a law that does not exist is refused later."""
     assert options._each_law(None, None, ["prox, pid", "mb,prox"]) == ("prox", "pid", "mb")
     every = tuple(dict.fromkeys(["mb", "typo", *LAWS]))
     assert options._each_law(None, None, ["mb", "typo, all"]) == every

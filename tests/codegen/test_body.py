@@ -19,7 +19,7 @@ def one_after_the_other():
 
 
 def shared_by_an_inner_one():
-    """A value that a branch gives away, and that a choice within it reads on one side alone."""
+    """A value that a branch returns, and that a choice within it reads on one side only."""
     x = ca.SX.sym("x", 3)
     value = ca.exp(x[1])
     inner = ca.if_else(x[2] > 0, ca.sin(value) * ca.exp(x[2]), ca.log(1 + x[2] * x[2]))

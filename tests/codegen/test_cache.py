@@ -254,7 +254,9 @@ def test_read_only_folder_is_replaced(tmp_path, monkeypatch, folder):
 @pytest.mark.parametrize("part", ["", "kernels", ".."])
 @pytest.mark.parametrize("built_before", [True, False])
 def test_a_cache_that_everybody_may_write_is_refused(folder, part, built_before):
-    """Or a folder around it; where files have owners nobody else can rename them, as in /tmp."""
+    """Or a folder around it.  Folders such as /tmp, in which only owners can rename files, are
+    accepted.
+    """
     if built_before:
         build_cached(SOURCES, Compiler())
         cache._usable.cache_clear()
@@ -284,7 +286,7 @@ def test_nothing_that_is_loaded_may_be_written_by_everybody_whatever_the_mask(fo
 
 
 def test_what_is_built_on_a_full_disk_is_not_kept(folder, monkeypatch):
-    """A compiler that ran out of space and reports success: loading its file would end Python."""
+    """A compiler without disk space may report success; loading its file would end Python."""
     free = types.SimpleNamespace(free=cache.SPARE - 1)
     monkeypatch.setattr(cache.shutil, "disk_usage", lambda place: free)
 
@@ -308,7 +310,9 @@ def test_a_full_disk_is_never_blamed_on_the_compiler(folder, tmp_path, monkeypat
 
 
 def test_a_folder_that_this_user_may_not_look_into_is_none(folder, monkeypatch):
-    """Under sudo, HOME may name a home that raises PermissionError: a substitute serves instead."""
+    """Under sudo, HOME may be a folder that raises PermissionError: a substitute is used
+    instead.
+    """
     plain = Path.stat
 
     def stat(path, **options):

@@ -1,4 +1,4 @@
-"""Compiler flags that change values: C that is exported refuses them, or they change nothing."""
+"""Compiler flags that change values: exported C refuses them, or they change nothing."""
 
 from functools import cache
 from subprocess import run
@@ -94,10 +94,11 @@ def compiled(folder, compiler, *words):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.slow_but(*(f"{kind}-gcc" for kind in KINDS if kind not in ("fmu", "ros-laser")))
 def test_flag_is_refused_or_values_stay(kind, compiler, tmp_path):
-    """Vectors pass or the first is refused; where there are none it is the same instructions.
+    """The test vectors pass, or the first sample is refused; without vectors the instructions are
+    equal.
 
-    By Clang the ROS node is looked at below, the FMU in tests/export. The float filter turns
-    nanoseconds into seconds by a constant, which may be a float.
+    With Clang the ROS node is tested below and the FMU in tests/export.  The float filter converts
+    nanoseconds to seconds by a constant, which may be a float.
     """
     needs(compiler)
     units = written(kind, tmp_path)
@@ -124,7 +125,7 @@ def instructions(folder, compiler, units, *words):
 
 @pytest.mark.parametrize("flag", ["", *(flag for flag in FLAGS if flag != "-fassociative-math")])
 def test_gcc_before_12_refuses_without_its_newer_macros(flag, tmp_path):
-    """Its version and macros are feigned: it tells such flags by __GCC_IEC_559 alone.
+    """Its version and macros are simulated: it shows such flags by __GCC_IEC_559 alone.
 
     It ignores -fassociative-math without -fno-signed-zeros.
     """
@@ -139,7 +140,7 @@ def test_gcc_before_12_refuses_without_its_newer_macros(flag, tmp_path):
 @pytest.mark.parametrize("kind", ["law", "law-float32", "filter", "filter-float32"])
 @pytest.mark.slow_but("filter-gcc", "law-float32-gcc")
 def test_first_step_catches_flags_that_no_macro_tells(kind, compiler, tmp_path):
-    """Refused for ever with status and flag.
+    """Every step is then refused with status and flag.
 
     GCC ignores -fassociative-math alone; short constants do no harm to a package of floats.
     """

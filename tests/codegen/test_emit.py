@@ -134,7 +134,7 @@ def one_more(x, k):
 
 
 def halves(x, k):
-    """Either half of a loop is read by another, which begins where that half does."""
+    """A loop whose halves are each read by another loop, which begins where that half does."""
     whole = [(x[i] + k) * x[i] for i in range(16)]
     return ca.vertcat(*(part - k for part in whole[:8]), *(part / 3 for part in whole[8:]))
 

@@ -1,4 +1,4 @@
-"""Statements, and the order in which they stand."""
+"""Statements and their order."""
 
 import casadi as ca
 

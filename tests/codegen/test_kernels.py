@@ -32,7 +32,9 @@ def admissible(draw, size):
 @pytest.mark.parametrize("law", ["prox", "nn"])
 @pytest.mark.slow_but("prox")
 def test_a_logged_sample_equals_the_virtual_machine(law):
-    """Reference, sensors, diagnostics and all: to 1e-13, in all regions, both signs, boundaries."""
+    """Reference, sensors, diagnostics and all other values to 1e-13: all regions, both signs,
+    boundaries.
+    """
     setup = settle(SCENARIO, law)
     loop, built = program_of(setup).loop, build_loop(setup)
     sample = next(item.function for item in loop_kernels(loop) if item.name == "sample_logged")

@@ -138,7 +138,9 @@ def test_packages_of_both_precisions_are_in_one_file(language, order, tmp_path):
 
 
 def test_packages_are_in_one_cmake_project(tmp_path):
-    """Its own targets may have the names of a package's, and it may join its sources."""
+    """Its own targets may have the names of a package's, and it may compile the package's sources
+    itself.
+    """
     needs("cmake", "cc")
     two_packages(tmp_path)
     with_main(tmp_path)
@@ -216,7 +218,7 @@ def test_arduino_builds_the_sketch_with_two_libraries(tmp_path):
 
 
 def test_platformio_packs_it_and_the_pack_compiles(tmp_path, monkeypatch):
-    """Packed by PlatformIO where it is installed; the manifest and sources are tried anyway."""
+    """PlatformIO packs it if installed; manifest and sources are tested in any case."""
     needs("cc")
     folder = written("nn", tmp_path, "platformio", float32=True)
     manifest = json.loads((folder / "library.json").read_text("utf-8"))

@@ -1,4 +1,4 @@
-"""Wheel counts and angles in C packages: they grow without end, and no robot stops for it."""
+"""Wheel counts and angles in C packages grow without limit, and no robot stops for it."""
 
 import math
 import shutil
@@ -122,7 +122,7 @@ def test_counts_of_refused_samples_are_counted(float32, tmp_path):
 @needs_cc
 @either
 def test_whole_turns_of_angles_do_not_matter(float32, tmp_path):
-    """Continuous angles, or a compass's: the same torques, to the angle's own digits."""
+    """Continuous angles and a compass's angles give the same torques, to the angle's own digits."""
     host = HostBuild("prox", load_scenario("paper-simulation"), tmp_path, float32=float32)
     shown = []
     for turns in ((0, 0), (0, 1), (-2, 5), (600, 600), (200_000, 200_000)):

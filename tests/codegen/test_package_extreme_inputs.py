@@ -24,7 +24,9 @@ REFUSED, TAKEN = 1, 0
 )
 @pytest.mark.slow_but("pid-False-False", "smc-True-False")
 def test_what_is_too_large_is_refused_and_leaves_no_trace(law, float32, guarded, tmp_path):
-    """Each input that has a bound, of either sign, and no number: torques 0; then as before."""
+    """Each bounded input, beyond its bound with either sign or NaN, gives torques of 0; then all is
+    as before.
+    """
     needs("cc")
     one = HostBuild(law, load_scenario(SCENARIOS[guarded]), tmp_path, float32=float32)
     sizes = (1.7e308, 1.0001 * (LARGEST_SINGLE if float32 else LARGEST), math.inf, math.nan)

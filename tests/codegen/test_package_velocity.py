@@ -79,7 +79,7 @@ def test_commands_are_those_of_the_run(law, form):
     ],
 )
 def test_refused_samples_keep_the_limit(law, form, float32, tmp_path):
-    """Each third sample has NaN, infinity or a number too large somewhere; the base is sluggish."""
+    """Each third sample has NaN, infinity or too large a number; the base is sluggish."""
     needs("cc")
     scenario, governed = burger(form), form == "governor"
     package = HostBuild(law, scenario, tmp_path, float32=float32)

@@ -36,7 +36,7 @@ def built(folder, *command):
 
 @pytest.mark.parametrize("k, changes", [*enumerate(KINDS)])
 def test_its_vectors_hold(k, changes, tmp_path):
-    """Kinds of reference are checked in double and single precision in turn."""
+    """Kinds of reference are tested alternately in double and single precision."""
     write_all(reference_files(scenario_of(changes), float32=k % 2 > 0), tmp_path)
     built(tmp_path, "reference_check.c", "wmr_reference.c", "-o", "check")
 

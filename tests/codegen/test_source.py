@@ -1,4 +1,4 @@
-"""Kept C text equals the emitter's text, and no trouble with the folder is an error."""
+"""Cached C text equals the emitter's text, and an unusable cache folder is not an error."""
 
 import os
 import sys

@@ -33,7 +33,7 @@ SOURCES = {
 
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
-    """An empty cache and no compiler named, so that every test looks for itself."""
+    """An empty cache and no named compiler, so that every test searches for one itself."""
     monkeypatch.setenv("WMR_CTRL_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv("WMR_CTRL_CC", raising=False)
     forget()
@@ -127,7 +127,7 @@ def test_named_compiler_may_have_arguments(fake, monkeypatch):
 @needs_zig
 @pytest.mark.slow
 def test_zig_is_used_where_path_has_no_compiler(zig_cache, tmp_path, monkeypatch):
-    """It can be named, too."""
+    """It can also be named explicitly."""
     hide_compilers(monkeypatch, zig=False)
     monkeypatch.setenv("WMR_CTRL_CACHE", str(zig_cache))
     monkeypatch.setenv("HOME", str(tmp_path / "nowhere"))
@@ -252,7 +252,7 @@ def test_what_a_hanging_compiler_started_is_killed_too(fake, tmp_path):
 
 
 def ended(pid):
-    """Whether a process is gone, or dead and only waiting for somebody to collect it."""
+    """True if a process is gone, or is a zombie."""
     for _ in range(100):
         try:
             os.kill(pid, 0)

@@ -1,4 +1,4 @@
-"""Test vectors see what they are there for: every number of a law, and the guard at work."""
+"""Test vectors detect an error in every number of a law, and the guard acts in them."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ UNSEEN = {
 
 
 def unseen(system, vectors):
-    """Names of parameters of which an error of 1 % stays within the checker's tolerance."""
+    """Names of parameters for which an error of 1 % stays within the checker's tolerance."""
     names, missed = [p.signal.name for p in system.params for _ in p.value], set()
     machine = system.function("step", [system.update, system.y])
     for k, value in enumerate(system.p0):

@@ -10,7 +10,7 @@ from wmr_ctrl.control.applied import followed, is_partial
 @pytest.mark.parametrize("part", [0, 3, 9])
 @pytest.mark.parametrize("decay", [0.0, 0.9])
 def test_a_torque_that_is_followed_is_that_of_every_step(part, decay):
-    """Commands of two ages one after the other, the older one first, behind a lag."""
+    """Commands of two ages act one after the other, the older one first, behind a lag."""
     commands, steps, acting = (
         [np.array(pair) for pair in ((3.0, -1.0), (1.0, 2.0), (-4.0, 0.5))],
         10,

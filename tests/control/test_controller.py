@@ -36,7 +36,9 @@ def diagnostics(system):
 @every_law
 @pytest.mark.slow_but("mb")
 def test_the_monitor_comes_last(law):
-    """State and diagnostics: the law's own first, as they were; then tau_applied, then watching."""
+    """State and diagnostics: first the law's own, unchanged; then tau_applied, then the
+    monitor's.
+    """
     scenario = scenario_of()
     bare, watched = law_graph(settle(scenario, law)), watched_controller(settle(scenario, law))
     own, further = len(bare.state), [item.signal.name for item in watched.state]

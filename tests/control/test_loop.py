@@ -11,7 +11,7 @@ from wmr_ctrl.world.scenario import load_scenario
 
 @pytest.mark.parametrize("plant", [0.001, 0.0005, 0.002])
 def test_no_delay_loses_a_step(plant):
-    """0.043/0.001, 0.051/0.001 and 0.059/0.001 are below the whole number in doubles, too."""
+    """In doubles, 0.043/0.001, 0.051/0.001 and 0.059/0.001 are below the whole number."""
     scenario = load_scenario("paper-simulation", {"clock.plant": plant, "actuator.delay": 0.006})
     graphs = LoopGraphs(settle(scenario, "mb"))
     names = [item.signal.name for item in graphs.parameters.ports for _ in item.value]
@@ -25,7 +25,7 @@ def test_no_delay_loses_a_step(plant):
 
 
 def test_what_rounding_adds_to_a_limit_is_no_violation():
-    """Some roundings of the limit are allowed, and no more than a part in a million million."""
+    """An excess of some roundings is allowed, but not a part in a million million."""
     graphs = LoopGraphs(settle(load_scenario("paper-simulation"), "mb"))
     numbers = [value for item in graphs.parameters.ports for value in item.value]
     counted = ca.Function("clock", [graphs.p], [graphs.clock])(numbers)

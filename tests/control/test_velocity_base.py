@@ -40,7 +40,7 @@ def test_the_adapter_gives_a_torque_law_the_motion_that_it_asks_for():
 
 
 def test_a_push_ends_at_the_speed_that_is_counted_and_the_filter_keeps_the_limit_then():
-    """The worst gain and the largest push that is stated, at the limit: to 1e-4 of it."""
+    """The worst gain and the largest stated push, at the limit: to 1e-4 of it."""
     reach = -0.001 / math.expm1(-0.001 / 0.2)
     d = [reach * 10.0 / 50.0, reach * 1.0 / 5.4]
     text = """
@@ -125,7 +125,9 @@ def broken(changes):
 
 @pytest.mark.parametrize("share, said", [(0.99, False), (1.01, True)])
 def test_ground_that_slows_a_turn_counts_by_the_arm_of_the_wheels(share, said):
-    """Friction by its square; rolling adds to what unequal wheels push."""
+    """Viscous friction has the arm squared; rolling resistance adds to the push of unequal
+    wheels.
+    """
     own = OVERSHOOTING | changes("filter.friction = [0, 20]; filter.push = [100, 100]")
     slowed = {**own, "resistance.viscous": [1.0, share * 20 * 0.25**2]}
     assert ("outside filter.friction robot.l^2" in broken(slowed)) is said
@@ -206,7 +208,7 @@ def test_what_takes_torques_alone_names_all_that_has_to_change(stated):
 
 
 def test_commands_that_grow_evenly_rise_in_the_time_that_they_take(monkeypatch):
-    """To nine tenths of the limits, also between two samples."""
+    """The rise time is to nine tenths of the limits, also between two samples."""
     sent = (SimpleNamespace(command=(0.7 * 0.05 * k, 0.9 * 0.05 * k)) for k in count(1))
     ramp = SimpleNamespace(step=lambda _: next(sent))
     module = import_module(rise_times.__module__)  # the package has a function of its name

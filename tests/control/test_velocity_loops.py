@@ -56,7 +56,7 @@ def driven(scenario, commands, push=(0.0, 0.0)):
 @pytest.mark.slow_but("0.6")
 @pytest.mark.parametrize("damping", [0.3, 0.6, 1.5])
 def test_pushes_on_a_second_order_loop_lead_no_farther_than_is_counted(damping):
-    """The worst push changes sign with its effect, and nearly reaches the bound."""
+    """The worst push changes its sign with its effect, and nearly reaches the bound."""
     scenario, h, w = base(f"base.damping = {damping}"), 0.001, 6.0
     mass = scenario.robot.m
     shares = driven(scenario, np.zeros((4000, 2)), (1.0, 0.0))[:, 0] * mass  # of a steady push

@@ -1,9 +1,9 @@
 """Pages of the documentation, and their blocks of code with the output that a page shows.
 
-A comment in the line above a block tells what becomes of it: ``<!-- file: NAME -->`` writes it to
+A comment in the line above a block says how it is treated.  ``<!-- file: NAME -->`` writes it to
 that file, ``<!-- exit: N -->`` expects another exit code than 0, ``<!-- not tried here: WHY -->``
-leaves it alone, as ``<!-- slow -->`` does for the time it takes, and ``<!-- tried by PATH -->``
-names what runs it instead.
+does not run it, ``<!-- slow -->`` runs it only in slow tests, and ``<!-- tried by PATH -->`` names
+the test that runs it instead.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ class Block:
 
     @property
     def file(self):
-        """The file that it is to be written to, or nothing."""
+        """Name of the file to write it to, or nothing."""
         return self.mark.removeprefix("file: ") if self.mark.startswith("file: ") else ""
 
     @property
     def exit_code(self):
-        """What its commands are to end with."""
+        """Expected exit code of its commands."""
         return int(self.mark.removeprefix("exit: ")) if self.mark.startswith("exit: ") else 0
 
     @property
     def tried(self):
-        """Whether it is run with its page."""
+        """True if it is run with its page."""
         left_alone = self.mark == "slow" or self.mark.startswith(("not tried", "tried by"))
         return self.language in RUN and not left_alone
 

@@ -89,7 +89,7 @@ def test_pages_with_a_test_of_their_own_have_it():
 def done_by(command, folder):
     """Run a command of a page: wmr-ctrl alone in this process, anything else in a shell.
 
-    tests/cli has what concerns the process itself.
+    tests/cli has the tests of the process itself.
     """
     program, *words = shlex.split(command)
     if program != "wmr-ctrl" or set("|<>&;$`\\*?").intersection(command):
@@ -137,7 +137,7 @@ def run_python(page, block, names, printed):
 @pytest.mark.slow
 @named(RUNNABLE)
 def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
-    """All blocks of a page in order, in a folder of their own with the tables beside the page."""
+    """All blocks of a page in order, in a separate folder with the tables beside the page."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setattr(console, "FIRST", math.inf)  # how long a command takes is no page's matter

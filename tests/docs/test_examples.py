@@ -1,4 +1,4 @@
-"""The examples in the documentation run and print what they say."""
+"""The examples in the documentation run and print what is shown."""
 
 import doctest
 

@@ -22,7 +22,7 @@ def test_it_is_short_and_names_the_topic_early():
 
 @pytest.mark.parametrize("call", DEMO)
 def test_the_guard_of_the_demo_keeps_the_limit_that_the_law_alone_breaks(call):
-    """No assumption of the guarantee is void there, and the robot comes from far away."""
+    """No assumption of the guarantee is void in the demo, and the robot starts far away."""
     found = json.loads(CliRunner().invoke(root, [*shlex.split(call), "--json"]).stdout)
 
     assert len(DEMO) == 2

@@ -57,7 +57,7 @@ def test_every_part_is_asked_for_by_a_page_and_can_be_written(tables):
 
 
 def test_documentation_can_be_read():
-    """A budget of words: a page that does not fit proposes what to leave out."""
+    """Pages have a word budget; a page that does not fit proposes an omission."""
     made = ("ledger.md", "lemmas.md", "api.md")
     pages = [path for path in DOCS.rglob("*.md") if path.name not in made]
 
@@ -125,7 +125,7 @@ def test_the_site_builds_without_warnings_and_loads_nothing_from_elsewhere(tmp_p
 
 
 def searched(out):
-    """Pages whose text, not only their title, the search knows."""
+    """Pages whose text, not only their title, is in the search index."""
     text = (out / "searchindex.js").read_text("utf-8")
     index = json.loads(text[text.index("{") : text.rindex("}") + 1])
     numbers = [n if isinstance(n, list) else [n] for n in index["terms"].values()]
@@ -135,7 +135,7 @@ def searched(out):
 
 
 def leading_nowhere(out):
-    """Links of the built pages to files that are not there."""
+    """Links of the built pages to missing files."""
     found = []
     for page in out.rglob("*.html"):
         for target in re.findall(r"<a [^>]*?href=\"([^\"#]+)", page.read_text("utf-8")):

@@ -1,4 +1,4 @@
-"""Whatever a table or a bag holds, it is a log or an error in one paragraph."""
+"""Any table or bag is read as a log, or gives an error of one paragraph."""
 
 import json
 import math
@@ -40,7 +40,7 @@ def driven(draw, seconds):
 
 
 def spoilt_table(draw, base):
-    """Bytes of a table in which cells, lines, columns or bytes are others."""
+    """Bytes of a table with altered cells, lines, columns or bytes."""
     rows = [HEADS[base].split(",")]
     for t, v, omega, seen, turned, way in driven(draw, 4.0 if base == "velocity" else 11.0):
         last = (seen, turned) if base == "velocity" else (1000 * x // 1 for x in way)

@@ -84,10 +84,10 @@ def parameters(known, **values):
 
 
 def test_gradient_and_likelihood_agree():
-    """Derivatives that the filter carries along, against differences of the likelihood.
+    """The filter's propagated derivatives, against differences of the likelihood.
 
-    Without them the likelihood has the same bits: a trial may go without.  The log has a gap,
-    after which nothing is known but what is measured.
+    Without derivatives the likelihood has the same bits, so trials may omit them.  The log has a
+    gap, after which only measured values are known.
     """
     rng, t = np.random.default_rng(1), np.arange(200) * 0.02
     seen, torques = np.cumsum(rng.normal(size=(200, 2)) * 1e-3, axis=0), rng.normal(size=(200, 2))

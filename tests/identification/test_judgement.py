@@ -80,7 +80,7 @@ def test_a_slow_push_accuses_no_model():
 
 
 def test_delays_that_differ_from_change_to_change_are_told():
-    """Commands that act up to a row before they are logged."""
+    """Some commands act up to a row before they are logged."""
     found = judged(log={"timer": True})
 
     assert diagnosis(found) == {("v", "delay"), ("omega", "delay")}

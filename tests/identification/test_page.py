@@ -1,4 +1,4 @@
-"""The page and the picture of an identification say what was identified."""
+"""The page and the picture of an identification show its results."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from wmr_ctrl.report.identified import write_identification
 def test_traces_foretell_as_the_score_says(found):
     """The drawn traces give the score: the predicted shares of the held-out variance.
 
-    The filter starts again for the score, so the shares agree to 0.03.
+    The filter restarts for the score, so the shares agree to 0.03.
     """
     traces = found.traces()
     rest = traces.t >= traces.held_out_from

@@ -52,9 +52,9 @@ def test_a_floor_that_no_drive_fits_is_refused(found):
 
 @pytest.mark.slow
 def test_after_a_circle_the_proposed_drive_tells_what_the_circle_could_not():
-    """The loop that is meant: identify, propose, drive, identify.
+    """The intended procedure: identify, propose, drive, identify.
 
-    A circle tells no friction apart, and says so.
+    A circle does not determine the friction, and the result says so.
     """
     circle = simulate(TRUTH, 1, 16.0, 3, Drives("circle"), STEP)
     poor = identify(log_of(circle, 0), overrides=KNOWN)

@@ -62,7 +62,7 @@ def changed(values, seconds=30.0):
 
 @pytest.mark.parametrize("ends", range(3, 13))
 def test_values_of_blocks_that_step_are_told_with_the_time_of_the_step(ends):
-    """The step from 30 to 36 is in logarithms for the mass; a delay has its own values."""
+    """The step from 30 to 36 is logarithmic for the mass; a delay has its own values."""
     found = changed(np.where(np.arange(15) < ends, np.log(30.0), np.log(36.0)))
 
     times = {name: item.time for name, item in found.items()}
@@ -97,7 +97,7 @@ def test_a_width_that_is_no_number_tells_no_change(monkeypatch):
 
 
 def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(found):
-    """The monitor's least push: with it as dbar nothing contradicts, with a little less it does."""
+    """With the monitor's least push as dbar nothing contradicts; with slightly less it does."""
     narrow = replace(found.bounds, dbar=(0.01, 0.01))
 
     against = contradictions(found.white, narrow)
@@ -113,6 +113,8 @@ def test_bounds_that_are_too_narrow_are_contradicted_until_dbar_is_wide_enough(f
 
 
 def test_a_push_is_seen_for_what_the_lightest_robot_needed():
-    """Without a force, from 0.1 to 0.3 m/s in 0.1 s, of 40 to 60 kg; with 50 N the rest of it."""
+    """Without a force, from 0.1 to 0.3 m/s in 0.1 s, for 40 to 60 kg; with 50 N only the
+    remainder.
+    """
     for force, push in ((0.0, 80.0), (50.0, 30.0)):
         assert float(_monitor()(0.3, 0.1, force, 0.1, 0.0, 40.0, 60.0)) == pytest.approx(push)

@@ -1,4 +1,4 @@
-"""Rows that say nothing about a base are left out, and commands that cease end; good logs stay."""
+"""Rows that say nothing about a base are excluded, and silent commands end; good logs stay."""
 
 import math
 from dataclasses import replace

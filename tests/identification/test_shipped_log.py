@@ -11,7 +11,9 @@ LOG = DOCS / "robot-log.csv"
 
 @pytest.mark.slow
 def test_its_script_writes_it(tmp_path):
-    """To a count and some hundredths of a newton metre: platforms differ in the last digits."""
+    """To one count and some hundredths of a newton metre, since platforms differ in the last
+    digits.
+    """
     robot_log.write(str(tmp_path / "log.csv"), robot_log.columns_of(None, robot_log.SEED))
 
     files = LOG, tmp_path / "log.csv"

@@ -1,4 +1,4 @@
-"""Bases that take velocities: logs of them give their numbers back."""
+"""Logs of bases that take velocities give their numbers back."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ from wmr_ctrl.world.scenario import loads_scenario
 
 
 def test_speeds_of_sets_that_are_followed_together_are_those_of_each_alone():
-    """However many they are, and whatever delays they have."""
+    """For any number of sets and any delays."""
     rng = np.random.default_rng(3)
     t, sent = 0.02 * np.arange(60), rng.uniform(-0.5, 0.5, 6).repeat(10)
     log = AxisLog(t, sent, np.ones(60, bool), t, sent, np.array([0, 25]), of_way=False, period=0.02)
@@ -130,7 +130,9 @@ def test_a_pi_loop_gives_its_frequency_back_and_a_filter_for_its_family():
 
 
 def test_an_axis_with_a_loop_of_the_other_kind_determines_only_what_both_kinds_say():
-    """The speed v follows a first order, omega a second order: one scenario has one of both."""
+    """The speed v follows a first-order loop, omega a second-order one; a scenario has one kind for
+    both.
+    """
     log = drive(Truth((Axis(), Axis("second-order", first=10.0, zeta=0.7))))
 
     found = identify(log, base="velocity")

@@ -26,7 +26,7 @@ def seen_at(*times, first=(0,)):
 
 @pytest.mark.parametrize("gradient", [0.0, 0.2, 4.0])
 def test_a_half_width_is_the_larger_of_that_by_fisher_and_that_by_blocks(gradient):
-    """15 blocks of information 1, gradients of g and -g in turn, so of mean g/15."""
+    """15 blocks with information 1 and gradients of alternating g and -g, so their mean is g/15."""
     g = gradient * np.array([(-1.0) ** k for k in range(15)])
     by_blocks = math.sqrt(14 / 15 * np.sum((g - g.mean()) ** 2)) / 14
     found = errors_of(g[:, None], np.ones((15, 1, 1)), np.array([True]))
@@ -63,7 +63,8 @@ def test_a_stretch_begins_after_five_steps_without_a_row(steps, first):
 
 
 def white_fit(period, duration=60.0):
-    """Noise of 2 N and 3 N m; residuals up to 4.5 and 1 standard deviations, 9 before they count.
+    """Noise of 2 N and 3 N m; residuals up to 4.5 and 1 standard deviations, and up to 9 in unused
+    rows.
 
     Speeds up to 0.5 m/s and 2 rad/s.
     """

@@ -108,7 +108,7 @@ def test_a_filter_is_wider_up_to_twice_the_speeds_of_its_log_and_off_beyond(base
 
 
 def test_a_filter_that_is_refused_is_off():
-    """Readings that are far off for a while make a deviation above the limit."""
+    """Temporary large errors of the readings cause a deviation above the limit."""
     speed = np.array(LOG["v1_measured [m/s]"])
     speed[300:310] += 0.6
 
@@ -214,7 +214,7 @@ def test_limits_of_an_earlier_log_are_not_stated_ones(based, tmp_path):
 
 @pytest.mark.parametrize("speed", [0.05, 2.0])
 def test_a_log_completes_a_scenario_whatever_its_limits(speed, tmp_path):
-    """One begun by `new` states v_u1 alone."""
+    """A scenario from `new` states only v_u1."""
     item = Found("limits.v_u1", (speed, 2 * speed), "f: x", Rank.CONTROLLER)
     (tmp_path / "mine.toml").write_text(new_scenario(merged([item]), "velocity", "mine").text)
 
@@ -226,7 +226,7 @@ def test_a_log_completes_a_scenario_whatever_its_limits(speed, tmp_path):
 
 
 def test_a_guard_keeps_to_the_speeds_and_torques_of_the_log(driven, found):
-    """`found` knows wheels and counts alone."""
+    """`found` knows only wheels and counts."""
     scenario, log = found.scenario, log_of(driven, 0)
 
     assert assumed(found) == {"limits.v_u1", "actuator.tau_max", "reference.kind"}

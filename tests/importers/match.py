@@ -1,8 +1,8 @@
-"""Compare a result that another tool wrote with the reference result of one of our FMUs.
+"""Compare another tool's result with the reference result of one of our FMUs.
 
     python -m tests.importers.match result.csv wmr_plant.fmi2.fmu
 
-Exit code 0: every common column agrees in every common instant; 1: one does not; 2: there is
+Exit code 0: every common column agrees at every common instant; 1: one does not; 2: there is
 nothing to compare.  Only the standard library is used, so that it runs beside any tool.
 """
 
@@ -32,7 +32,7 @@ class Table:
 
 
 class NothingToCompareError(Exception):
-    """A file that is no result, or two that have no columns or instants in common."""
+    """A file that is not a result, or two that have no columns or instants in common."""
 
 
 def read(path):
@@ -58,7 +58,7 @@ def read(path):
 def pairs(found, wanted):
     """Rows of the same instant.
 
-    A tool may write two rows for an instant at which something is sampled: the last one counts.
+    A tool may write two rows for an instant with a sample: the last one counts.
     """
     last = {round(time / SAME_TIME): i for i, time in enumerate(found)}
     places = (last.get(round(time / SAME_TIME)) for time in wanted)

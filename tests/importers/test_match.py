@@ -1,4 +1,4 @@
-"""The comparison that other tools' results go through, and the workflows that call it."""
+"""The comparison for other tools' results, and the workflows that call it."""
 
 import re
 import shlex

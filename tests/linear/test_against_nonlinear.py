@@ -23,7 +23,7 @@ def test_sampled_nonlinear_loop_is_the_native_run(nominal, law):
 
 
 def test_read_continuously_a_memory_changes_in_a_second_by_its_change_over_a_period(nominal):
-    """And the robot moves along its heading."""
+    """The memory's rate is its change over one period, and the robot moves along its heading."""
     sampled, continuous = loop_nlsys(nominal, "pid", sampled=True), loop_nlsys(nominal, "pid")
     memory = np.array([0.3, -0.2, 1.0])
     state, pushes = np.array([*memory, -0.5, -0.5, 0.7, 0.3, 0.2]), np.zeros(4)

@@ -1,4 +1,4 @@
-"""The linear loop's answer against compiled runs from growing starts."""
+"""The linear loop's response against compiled runs from growing starts."""
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def test_a_start_has_the_error_that_is_asked_for(nominal):
 
 
 def test_a_reference_that_changes_its_speed_is_followed(nominal):
-    """Also by a law that remembers the speed that it told last."""
+    """Also by a law that remembers its last commanded speed."""
     told = "reference.kind = 'lemniscate'; reference.rate = 0.1; reference.size = 2.0"
     eight = changes(f"{told}; clock.duration = 4.0")
     found = wmr_ctrl.linear_against_run(nominal, ["kanayama"], overrides=eight).laws["kanayama"]

@@ -1,4 +1,4 @@
-"""Margins of both axes together, robots that differ from the model, instants that are asked for."""
+"""Margins of both axes together, robots that differ from the model, and requested times."""
 
 import numpy as np
 import pytest

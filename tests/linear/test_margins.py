@@ -55,7 +55,9 @@ def test_continuous_margins_are_python_controls(nominal, law, axis):
     "law, period", [("mb", None), pytest.param("pid", 0.01, marks=pytest.mark.slow)]
 )
 def test_disk_margin_is_its_definition(nominal, law, period):
-    """a = 1/max |S - 1/2|; gains up to (2 + a)/(2 - a), phases up to 2 atan(a/2) are stood."""
+    """a = 1/max |S - 1/2|; the loop tolerates gains up to (2 + a)/(2 - a), phases up to 2
+    atan(a/2).
+    """
     found = margins_at(nominal, law, 1, period=period)
     loop = open_loop(nominal, law, 1, period=period)
     w = np.geomspace(1e-2, math.pi / period if period else 1e3, 20_000)
@@ -68,7 +70,7 @@ def test_disk_margin_is_its_definition(nominal, law, period):
 
 
 def test_sampled_gain_margin_is_the_ratio_of_periods_where_both_end_at_minus_one(line):
-    """Thrust: a pole is at z = -1 when (rho/2 + k1) T g = 2, whatever of T or g grows."""
+    """Thrust: a pole is at z = -1 when (rho/2 + k1) T g = 2, whether T or g grows."""
     found = margins_at(line, "mb", 0, period=0.01)
 
     assert found.gain == pytest.approx(2 / 17.5 / 0.01, rel=1e-9)
@@ -99,9 +101,7 @@ def test_an_impossible_axis_or_period_is_refused(given, match):
 
 
 def test_margins_behind_a_delay_are_those_of_the_frequency_response():
-    """The loop has 19 states, so python-control's polynomials lose the margins; its frequency
-    response does not.
-    """
+    """The loop has 19 states, so margins from python-control's polynomials are wrong."""
     late = load_scenario("paper-simulation-nominal", {"actuator.delay": 0.02})
     for axis in (0, 1):
         loop = open_loop(late, "prox", axis, period=0.01)

@@ -7,7 +7,9 @@ from wmr_ctrl.theory.linear import largest_stable_period, one_step_period
 
 
 def test_model_based_limit_is_the_closed_form_of_its_faster_axis(nominal):
-    """e' = -v, v' = rho/2 k e - (rho/2 + k) v held: a pole reaches -1 at T = 2/(rho/2 + k)."""
+    """For e' = -v and the held v' = rho/2 k e - (rho/2 + k) v a pole reaches -1 at T = 2/(rho/2 +
+    k).
+    """
     # the circle couples a little
     assert largest_stable_period(nominal, "mb") == pytest.approx(2 / (57.6 / 2 + 4), rel=2e-4)
 

@@ -1,4 +1,4 @@
-"""Poles and margins of bases that take velocities, against what the margins are margins of."""
+"""Poles and margins of bases that take velocities, compared with changes of the base itself."""
 
 import numpy as np
 import pytest

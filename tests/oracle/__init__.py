@@ -1,8 +1,8 @@
-"""The closed loop once more, slow and obvious: what both engines and the graphs are compared with.
+"""A second closed loop, slow and simple, to compare both engines and the graphs with.
 
 It is written from the definitions with plain Python scalars, and shares no code with the compiled
-loop or with the symbolic graphs.  Of the product it uses scenarios, signals, and what makes a Run
-of columns.
+loop or with the symbolic graphs.  From the product it uses scenarios, signals, and the construction
+of a Run from columns.
 """
 
 import numpy as np

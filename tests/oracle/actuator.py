@@ -1,4 +1,4 @@
-"""Wheel drives: a delay of whole plant steps, then a first-order lag; no noise in here."""
+"""Wheel drives: a delay of whole plant steps, then a first-order lag; without noise."""
 
 import math
 from collections import deque
@@ -7,7 +7,7 @@ from tests.oracle.noise import LAG, symmetric
 
 
 class Drives:
-    """Turns the commanded torques into those that act, one plant step at a time."""
+    """Converts commanded torques to acting torques, one plant step at a time."""
 
     def __init__(self, settings, clock, key):
         steps = round((settings.delay + settings.unmodelled_delay) / clock.plant)
@@ -18,7 +18,7 @@ class Drives:
         self.step = 0
 
     def _keep(self):
-        """Share of the acting torque that is left after the plant step that starts now."""
+        """Remaining share of the acting torque after the plant step that starts now."""
         if not self.settings.lag:
             return 0.0
         lag = self.settings.lag * (1.0 + float(self.spread[self.step // self.every]))

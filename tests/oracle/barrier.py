@@ -38,7 +38,7 @@ class BarrierTerms:
 
 
 def clip(v, limit):
-    """``v`` held within plus and minus ``limit``."""
+    """``v`` limited to [-limit, limit]."""
     return min(max(v, -limit), limit)
 
 

@@ -1,4 +1,4 @@
-"""The velocity guard and the maps behind it, one axis after the other; and what only watches."""
+"""The velocity guard and the maps behind it, one axis after the other; and the monitor."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ _SHRINK = 2.0**-44
 class GuardedAxis:
     """One axis: limit, masses, bounds of disturbance and measurement, friction floor; and times.
 
-    ``aim`` is the limit less what rounding may cost, more with every command under way.
+    ``aim`` is the limit less a margin for rounding, which grows with the number of commands in
+    transit.
     """
 
     u1: float
@@ -30,13 +31,13 @@ class GuardedAxis:
 
     @property
     def push(self):
-        """Largest disturbance that friction does not make up for."""
+        """Largest disturbance that friction does not compensate."""
         return self.dbar - self.f_min
 
     def ceiling(self, y, brake, coming):
-        """Largest force that is safe at the measured velocity ``y`` with a rise that is coming.
+        """Largest safe force at the measured velocity ``y`` with a coming rise of the velocity.
 
-        No force may exceed what leaves room for one that takes ``delay`` to arrive.
+        Every force must leave room for another one that takes ``delay`` to act.
         """
         room = self.aim - max(y + self.nbar, self.f_speed) - coming
         gain = self.M_min * self.alpha if room >= 0.0 else self.M_max / self.T
@@ -48,16 +49,16 @@ class GuardedAxis:
         return min(hi, self.M_min * room / self.delay - self.push)
 
     def cap(self):
-        """The largest braking force that leaves room for as large a one to arrive too late."""
+        """The largest braking force that leaves room for an equally large late force."""
         room = self.aim - self.f_speed
         return self.M_min * self.alpha * room / (1.0 + self.alpha * self.delay) - self.push
 
     def rise(self, force, time):
-        """Most that v can gain while ``force`` acts for ``time``."""
+        """Largest rise of v while ``force`` acts for ``time``."""
         return max(force + self.push, 0.0) * time / self.M_min
 
     def can_be_kept(self, brake):
-        """Whether the numbers make sense and braking outweighs the push wherever it has to."""
+        """True if the numbers are valid and braking outweighs the push where necessary."""
         sound = self.M_min <= self.M_max and self.f_speed < self.u1 and self.alpha * self.T <= 1.0
         seen = 2.0 * self.nbar <= self.aim
         return sound and seen and self.cap() >= self.push and brake >= self.push
@@ -73,9 +74,9 @@ class GuardedAxis:
 
 
 class VelocityGuard:
-    """Guard that clips a force to its safe range, and watches whether the motion fits the bounds.
+    """Guard that clips a force to its safe range, and monitors whether the motion fits the bounds.
 
-    An unguarded run has one too, which only watches.
+    An unguarded run also has one, which only monitors.
     """
 
     def __init__(self, scenario, tau_max):
@@ -129,7 +130,7 @@ class VelocityGuard:
         return force
 
     def watch(self, v, applied, changed=(0.0, 0.0)):
-        """Take note of the sample at velocity ``v`` that the ``applied`` torque led to."""
+        """Record the sample at velocity ``v`` after the ``applied`` torque."""
         least = self._least(v, applied)
         self.seen = {"clip_active": changed, "d_least": least, "feasible": self.feasible}
         self.v_before = v
@@ -146,9 +147,9 @@ class VelocityGuard:
 
 
 def times_that_count(delay, lag, T):
-    """For how long each earlier command counts, the latest first.
+    """Time for which each earlier command matters, the latest first.
 
-    Until the next one takes over in full, and what the lag leaves of it afterwards.
+    It lasts until the next one takes over completely, plus the remainder of the lag.
     """
     if lag == 0.0:
         count = math.ceil(delay / T - 1e-9)
@@ -161,7 +162,7 @@ def times_that_count(delay, lag, T):
 
 
 def axes_of(scenario):
-    """Both axes' numbers, derived from the believed robot where the scenario leaves them out."""
+    """Both axes' numbers, derived from the believed robot if the scenario omits them."""
     g, bot, noise = scenario.guard, scenario.robot, scenario.disturbance
     masses = (scenario.model.m or bot.m, scenario.model.I or bot.I)
     low = g.M_min or tuple((1.0 - g.mass_margin) * item for item in masses)
@@ -185,7 +186,9 @@ def within(force, box):
 
 
 def linear_first(force, safe, phi, half):
-    """The thrust as far as the safe moment leaves room, then the moment; ``phi`` = 2 tau_max/r."""
+    """Force with the largest thrust that leaves room for the safe moment, then the moment; ``phi``
+    = 2 tau_max/r.
+    """
     room = phi - abs(safe[1]) / half
     thrust = min(max(force[0], -room), room)
     rest = half * (phi - abs(thrust))
@@ -193,7 +196,7 @@ def linear_first(force, safe, phi, half):
 
 
 def rotation_first(force, safe, phi, half):
-    """The moment as far as the safe thrust leaves room, then the thrust."""
+    """Force with the largest moment that leaves room for the safe thrust, then the thrust."""
     room = half * (phi - abs(safe[0]))
     moment = min(max(force[1], -room), room)
     rest = phi - abs(moment) / half

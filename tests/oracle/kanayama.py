@@ -14,7 +14,7 @@ class Kanayama(LawWithObserver):
         self.command = None
 
     def act(self, sight):
-        """Generalised force (thrust [N], moment [N m]); observer and command move before it."""
+        """Generalised force (thrust [N], moment [N m]); first updates observer and command."""
         (force, moment), sight = self.look(sight)
         wanted, last = self._wanted(sight), self.command or sight.v
         self.command = (self._follow(0, wanted[0], last[0]), self._follow(1, wanted[1], last[1]))
@@ -30,7 +30,7 @@ class Kanayama(LawWithObserver):
         )
 
     def _follow(self, i, wanted, last):
-        """The command of one axis: to the wanted velocity, as far as both limits let it."""
+        """Command of one axis, moved towards the wanted velocity within both limits."""
         inside = min(max(wanted, -self.tops[i]), self.tops[i])
         most = self.gains["a_max"][i] * self.T
         return last + min(max(inside - last, -most), most)
@@ -56,7 +56,7 @@ class Pursuit(Kanayama):
         return v / share, kappa * v / share
 
     def _point(self, sight):
-        """Ahead, left [m] of the robot, and the way along the arc [m]."""
+        """Position ahead and left of the robot [m], and the distance along the arc [m]."""
         (e1, e2, e3), target, (nearest, farthest) = sight.e, sight.target, self.gains["distance"]
         way = min(max(self.gains["lookahead"] * target.v1, nearest), farthest)
         bent = way * target.v2 * target.v1 / max(target.v1**2, 1e-12)

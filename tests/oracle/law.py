@@ -1,4 +1,4 @@
-"""What every law of the oracle is given and has to answer."""
+"""Inputs and outputs of every law of the oracle."""
 
 from __future__ import annotations
 

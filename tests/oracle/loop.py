@@ -68,7 +68,7 @@ class _Loop:
             self._sample(k)
 
     def _sample(self, k):
-        """One control step: look, act, log, and let the plant run until the next sample."""
+        """One control step: measure, act, log, and run the plant until the next sample."""
         target = self.reference(k * self.clock.control)
         sight = self._look(k, target)
         torque = wheel_torques(self._force(sight), self.scenario.robot)
@@ -83,7 +83,9 @@ class _Loop:
         self.applied = _mean(told)
 
     def _disturbance(self, k):
-        """Noise of sample ``k`` (right, left) [N m], and a push on in each axis' direction."""
+        """Noise of sample ``k`` (right, left) [N m], plus a push in each axis' direction of
+        motion.
+        """
         right, left = self.noise[k].tolist()
         force, moment = self.scenario.disturbance.push
         along = wheel_torques((force, 0.0), self.scenario.robot)[0]
@@ -120,7 +122,7 @@ class _Loop:
         )  # fmt: skip
 
     def _plant_step(self, n, torque, noise):
-        """The plant's step number ``n`` with the parameters of the time at which it starts."""
+        """The plant's step number ``n`` with the parameters at its start."""
         while len(self.plants) > 1 and self.plants[1][0] <= n:
             self.plants.pop(0)
         acting = self.actuator.advance(torque)
@@ -139,7 +141,7 @@ class _Loop:
         return row | self._diagnostics(target, sight) | self._memory()
 
     def _diagnostics(self, target, sight):
-        """Error of the true pose; margin and the rest as the law saw them."""
+        """Error of the true pose; margin and the rest from the law's measurements."""
         speeds = zip(sight.v, self.scenario.limits.v_u1, strict=True)
         first, second = sight.barrier
         return {

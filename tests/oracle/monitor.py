@@ -1,4 +1,4 @@
-"""Watch over the velocity at t = 0 and after every plant step."""
+"""Monitor of the velocity at t = 0 and after every plant step."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Watch:
     stop_reason: str = ""
 
     def see(self, t, state):
-        """Take note of the state at ``t``; True if the run must end here."""
+        """Record the state at ``t``; True if the run must end here."""
         speed = first, second = abs(state[3]), abs(state[4])
         if not math.isfinite(sum(state)) and not all(map(math.isfinite, state)):
             return self._stop(t, 2 if math.isfinite(state[3]) else 1, "non-finite")

@@ -17,7 +17,9 @@ class ForceObserver:
         return self.bot.mu * self.bot.m * self.bot.g * math.tanh(v1 / self.bot.v_s)
 
     def look(self, sight):
-        """The force and moment that make up for the disturbance, renewed from the second sample."""
+        """The force and moment that compensate the disturbance, updated from the second sample
+        on.
+        """
         old, self.v_before = self.v_before, sight.v
         if old is not None:
             self._renew(sight, old)
@@ -34,5 +36,5 @@ class ForceObserver:
         self.f_hat = (first, second)
 
     def memory(self):
-        """The disturbance that is made up for."""
+        """The compensated disturbance."""
         return {"d_hat": (-self.f_hat[0], -self.f_hat[1])}

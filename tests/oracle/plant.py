@@ -64,7 +64,7 @@ def wheel_torques(force, robot):
 
 
 def limited_force(force, tau_max, robot):
-    """Nearest force that the wheels can give, the thrust served first and the moment after it."""
+    """Nearest force that the wheels can exert; the thrust has priority over the moment."""
     if isinf(tau_max):
         return force
     most = 2.0 * tau_max / robot.r

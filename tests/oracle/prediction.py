@@ -14,7 +14,7 @@ from tests.oracle.target import DesiredState
 
 
 class LawWithObserver:
-    """A law that makes up for what its observer sees, and looks ahead over its delay."""
+    """A law that compensates its observer's disturbance and predicts over its delay."""
 
     def __init__(self, gains, scenario):
         self.gains, self.limits = gains, scenario.limits
@@ -23,17 +23,17 @@ class LawWithObserver:
         self.predictor = Predictor(gains["delay"], scenario)
 
     def look(self, sight):
-        """Observer's force and moment, which are renewed, and the sight ahead."""
+        """The observer's updated force and moment, and the predicted sight."""
         force = self.observer.look(sight)
         return force, self.predictor.ahead(sight, force)
 
     def memory(self):
-        """The disturbance that the observer makes up for."""
+        """The disturbance that the observer compensates."""
         return self.observer.memory()
 
 
 class Predictor:
-    """Rolls a sight on by ``delay`` [s] through the commands under way."""
+    """Prediction of a sight by ``delay`` [s] through the commands in transit."""
 
     def __init__(self, delay, scenario):
         self.delay, self.T, self.bot = delay, scenario.clock.control, scenario.believed
@@ -62,7 +62,7 @@ class Predictor:
         )  # fmt: skip
 
     def _pushed(self, v, torque, made_up, time):
-        """The velocity after a torque that acts for ``time``; friction stops it at most."""
+        """The velocity after a torque that acts for ``time``; friction can only stop it."""
         right, left = torque
         force, moment = (right + left) / self.bot.r, self.bot.l * (right - left) / self.bot.r
         free = v[0] + time * (force - made_up[0]) / self.bot.m
@@ -83,7 +83,7 @@ def _carried(pose, v, after, time):
 
 
 def _later(target, time):
-    """The reference carried on by its accelerations."""
+    """The reference, extrapolated by its accelerations."""
     *pose, v1, v2, a1, a2 = astuple(target)
     then = (v1 + time * a1, v2 + time * a2)
     place = _carried((pose[0], pose[1], pose[2]), (v1, v2), then, time)

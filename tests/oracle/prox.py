@@ -15,7 +15,7 @@ class Prox(LawWithObserver):
         self.smooth, self.level = gains["barrier"] == "smooth", gains["transport"] == "level"
 
     def act(self, sight):
-        """Generalised force (thrust [N], moment [N m]); the observer moves before it."""
+        """Generalised force (thrust [N], moment [N m]); first updates the observer."""
         (force, moment), sight = self.look(sight)
         ends = [self._end(i, sight) for i in (0, 1)]
         drag = self.observer.friction(ends[0])
@@ -34,7 +34,7 @@ class Prox(LawWithObserver):
         return self._near(i, keep * start + rest * c_next, rest)
 
     def _carried(self, i, v, c, target):
-        """v carried from c to ``target`` such that V1 does not rise."""
+        """v transported from c to ``target`` so that V1 does not rise."""
         if target == c:
             return v
         x, x_next, u1 = self._near(i, c, 1.0), self._near(i, target, 1.0), self.limits.v_u1[i]

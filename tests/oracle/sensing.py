@@ -23,7 +23,7 @@ class Sensors:
         self.v_before = (0.0, 0.0)
 
     def look(self, k, state):
-        """Pose (x, y, theta) and velocity (v1, omega) that the law is given at sample ``k``."""
+        """Pose (x, y, theta) and velocity (v1, omega) that the law receives at sample ``k``."""
         right, turn = self.velocity_error[k].tolist()
         velocity = (state[3] + right, state[4] + turn)
         if self.settings.perfect:
@@ -45,7 +45,7 @@ class Sensors:
         self.estimate = (x, y, theta)
 
     def _correct(self, k, state):
-        """Move towards the measured pose, all the way at the first sample."""
+        """Correction towards the measured pose, complete at the first sample."""
         gain = self.settings.correction if k > 0 else 1.0
         error_x, error_y = self.pose_error[k].tolist()
         x, y, theta = self.estimate

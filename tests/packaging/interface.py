@@ -1,6 +1,6 @@
 """The public interface as lines of text, and docs/reference/stable.txt, which promises them.
 
-``python -m tests.packaging.interface`` adds what is new to that file; it takes nothing out.
+``python -m tests.packaging.interface`` adds new names to that file and removes none.
 """
 
 import inspect
@@ -48,7 +48,7 @@ OPEN = ("figures", "provenance", "sources")
 
 
 def lines():
-    """Everything that a script, a file or another package may name."""
+    """Every name that a script, a file or another package may use."""
     yield from _commands(root, "wmr-ctrl")
     yield from (f"exit code {getattr(console, name)}: {name}" for name in CODES)
     yield from _scenario()
@@ -129,7 +129,7 @@ def _members(path, thing):
 
 
 def _headers():
-    """Functions and members of structs of the generated packages that are kept."""
+    """Functions and struct members of the committed generated packages."""
     for header in sorted((ROOT / "fmu" / "golden" / "c").glob("*-double/wmr_*.h")):
         code = re.sub(r"/\*.*?\*/", "", header.read_text("utf-8"), flags=re.DOTALL)
         names = re.findall(r"wmr_real (\w+)(?:\[\d+\])?;|\b(wmr_\w+)\(|\} (\w+);", code)
@@ -151,7 +151,7 @@ def promised():
 
 
 def main():
-    """Add what is new."""
+    """Add new names."""
     known = promised() if Path(STABLE).exists() else []
     every = sorted({*known, *lines()})
     STABLE.write_text("\n".join(every) + "\n", "utf-8")

@@ -1,4 +1,4 @@
-"""What docs/reference/stable.txt promises is there: nothing that others name goes or is renamed."""
+"""Every name in docs/reference/stable.txt still exists."""
 
 import pytest
 
@@ -27,7 +27,7 @@ def test_the_list_is_in_order_and_covers_every_kind(present):
 
 @pytest.mark.slow
 def test_no_number_of_a_run_has_two_names(present):
-    """A figure stands under the key that has it, or under `figures`."""
+    """A figure is under its own key, or under `figures`."""
     under = {line.partition(": ")[2] for line in present if line.startswith("run --json")}
     keys = {item.key for item in interface.FIGURES if item.key}
 

@@ -1,7 +1,7 @@
-"""An entry's obligations case by case: every choice decided one way, then the other.
+"""An entry's obligations case by case: every choice is decided in both ways.
 
-What is left of the graph in a case has no minimum, no size and no condition in it, which solvers
-are better at.  Symbols that a hypothesis gives one value are that number.
+The rest of the graph in a case has no minimum, absolute value or condition, which is easier for
+solvers.  Symbols to which a hypothesis gives one value are replaced by that number.
 """
 
 from fractions import Fraction
@@ -30,7 +30,7 @@ class CaseTerms(TermArithmetic):
         self.outside = []
 
     def variable(self, name):
-        """The number that it is known to be, or a real variable."""
+        """The known number of an input, or a real variable."""
         value = self.known.get(name)
         return super().variable(name) if value is None else z3.RealVal(str(value), self.context)
 

@@ -1,11 +1,11 @@
 """Make the committed ledger and its page anew: ``python -m tests.proofs.record [ID ...]``.
 
-``--words`` checks nothing; ``--examine`` alters the functions of entries that were not tried so
-yet, of named entries also those that were left open, and asks the second solvers.
-``--confirm`` asks those alone, about what none of them confirmed yet.
+``--words`` checks nothing.  ``--examine`` alters the functions of entries that were not tried yet
+(for named entries also those that were left open), and asks the second solvers.  ``--confirm`` asks
+only these solvers, about entries that none of them has confirmed yet.
 
-With ids only those entries are checked; the others stay as committed, with the claims' words of
-today. That is refused where an entry's graph, relations or method are others by now.
+With ids only those entries are checked; the others stay as committed, with the present words of the
+claims.  That is refused if an entry's graph, relations or method have changed.
 """
 
 import argparse
@@ -34,10 +34,10 @@ COUNT = r"\d+ of \d+ entries by z3"
 
 
 def record(ledger):
-    """Save the ledger where `load` finds it, the page in docs/, and what pages count of it.
+    """Save the ledger where `load` finds it, the page in docs/, and the counts on other pages.
 
-    The index of certificates gets the hashes of the words of today; those of entries that are gone
-    are dropped.
+    The index of certificates gets the hashes of the present words; rows of removed entries are
+    dropped.
     """
     ledger.save(COMMITTED)
     PAGE.write_text(page(ledger), "utf-8")
@@ -59,7 +59,7 @@ def certified(ledger):
 def merged(new, old):
     """Every claim's entry: the new one, else the old one.
 
-    SystemExit where an old one speaks of another claim than the program has.
+    SystemExit if an old entry is about another claim than the program's.
     """
     entries, fresh = {**old.by_id(), **new.by_id()}, new.by_id()
     claims = {claim.id: claim for claim in all_claims()}
@@ -72,9 +72,9 @@ def merged(new, old):
 
 
 def examined(entry, anew=False):
-    """An entry with what altering its functions does, and with the solvers that agree.
+    """An entry with the effects of altering its functions, and with the solvers that agree.
 
-    ``anew``: what was left open is tried again.
+    ``anew``: try again what was left open.
     """
     known = {key: said for key, said in entry.altered.items() if said != OPEN or not anew}
     altered = tried(claim := _claim_of(entry), functions_of(claim), known)
@@ -107,7 +107,7 @@ def _backed(asked):
 
 
 def main(arguments=None):
-    """Check what is asked for, and record it."""
+    """Check the requested entries, and record them."""
 
     def show(share, entry):
         sys.stderr.write(f"{100 * share:.0f} % {entry.id}: {entry.verdict}\n")

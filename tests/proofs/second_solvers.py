@@ -1,6 +1,6 @@
-"""Second solvers: what z3 closes is asked of Yices, and where that does not answer of cvc5.
+"""Second solvers: questions that z3 closes are asked of Yices and, if it does not answer, of cvc5.
 
-The three decide products of unknowns each in code of its own.  Yices is a program, which its wheel
+The three decide products of unknowns each by their own code.  Yices is a program, which its wheel
 puts beside the interpreter.
 """
 
@@ -60,8 +60,8 @@ def programs():
 def confirmed_by(statement, point=None, patience=PATIENCE):
     """Return the first solver that finds every goal and every domain unsatisfiable, or ().
 
-    It does so as a whole or in every case of the choices (`tests.proofs.cases`). It must also find
-    the hypotheses satisfiable, at ``point`` if given. Parts of a statement are taken one by one.
+    It does so as a whole or in every case of the choices (`tests.proofs.cases`).  It must also find
+    the hypotheses satisfiable, at ``point`` if given.  Parts of a statement are taken one by one.
     """
     if statement.parts:
         found = [confirmed_by(part, own_point(point or {}, part, key), patience)
@@ -88,7 +88,9 @@ def _all_cases(statement, says):
 
 
 def answer(name, text, patience=PATIENCE):
-    """A solver's answer to a file: sat, unsat or unknown; each way soon, then with patience."""
+    """A solver's answer to a file: sat, unsat or unknown; each strategy first briefly, then for
+    longer.
+    """
     limits = [limit for limit in (IMPATIENCE, patience) if limit <= patience]
     said = (_said(text, limit, way) for limit in limits for way in programs()[name])
     return next((word for word in said if word in ("sat", "unsat")), "unknown")

@@ -1,6 +1,6 @@
-"""One altered sign or constant in barrier, laws or model, and the ledger's verdict changes.
+"""After altering one sign or constant in barrier, laws or model, the ledger's verdict changes.
 
-Only entries whose graph holds the altered part are checked.
+Only entries whose graph contains the altered part are checked.
 """
 
 import pytest

@@ -41,12 +41,12 @@ def unsafe_anchor(asked, v, both, coming):
 
 
 def rounded_down(_count):
-    """Nothing kept back against rounding."""
+    """No margin reserved for rounding."""
     return 0.0
 
 
 def reached_about(both, phi, half_track):
-    """Brakes within the wheels' reach to a rounding."""
+    """Brakes within the wheels' reach only to a rounding error."""
     first, second = (b.braking for b in (both.axis(0), both.axis(1)))
     return first + second / half_track <= phi * (1 + 2.0**-44)
 
@@ -57,7 +57,7 @@ def never_at_rest(*given):
 
 
 def any_drives(*given):
-    """No condition on delay, lag or jitter, whatever parameters there are for one."""
+    """No condition on delay, lag or jitter, for any parameters."""
     return CONDITIONS(*given)[:0]
 
 
@@ -79,7 +79,7 @@ def held_mean(commands, late, acting, decay):
 
 
 def whole_shares(context):
-    """Shares of a step that decays by exp(-rho T) in the place of exp(-rho T/2)."""
+    """Shares of a step that decays by exp(-rho T) in place of exp(-rho T/2)."""
     whole = -context.gain("rho") * context.period
     return ca.exp(whole), -ca.expm1(whole)
 

@@ -139,7 +139,7 @@ def refused(text, certificate):
 
 
 def attacked(number, seed):
-    """So many altered certificates, and as many altered obligations: what became of them."""
+    """Results for ``number`` altered certificates and as many altered obligations."""
     rng, seen = random.Random(seed), Counter[str]()
     while seen["certificates"] < number:
         _, text, certificate = committed(rng)
@@ -167,9 +167,9 @@ def attacked(number, seed):
 
 
 def test_no_altered_obligation_is_accepted_that_can_be_met():
-    """An accepted certificate of an obligation as it is shows what is true in any case.
+    """An accepted certificate of an unaltered obligation shows a true statement in any case.
 
-    There it is a sum that has no need of what was altered, such as a product that is 0 > 0.
+    Then it is a sum that does not need the altered part, such as a product that is 0 > 0.
     """
     seen = attacked(SOON, 1)
 
@@ -202,7 +202,7 @@ def test_certificates_do_not_refute_hypotheses_that_can_be_met():
 
 @pytest.mark.slow
 def test_an_assertion_is_read_as_z3_reads_it():
-    """At points with rational numbers at random."""
+    """Compared at random points with rational numbers."""
     rng = random.Random(4)
     compared = 0
     while compared < 300:

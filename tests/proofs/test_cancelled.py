@@ -97,7 +97,7 @@ def test_the_derivative_of_a_power_reads_no_logarithm():
 
 @dataclass(frozen=True)
 class Kept:
-    """An object that keeps what it built."""
+    """An object that caches its result."""
 
     @cached_property
     def symbols(self):

@@ -27,7 +27,7 @@ BUILT = ("guard.inside", "guard.feasible", "prox.inside")
 
 
 def behind(ids):
-    """These entries and all that they rest on."""
+    """These entries and all that they depend on."""
     found = {}
     todo = list(ids)
     while todo:

@@ -236,7 +236,7 @@ def folder_with(path, text, certificate, answer="unsat"):
 
 
 def said(folder):
-    """Exit code and text of the checker as a program of its own, with no package beside it."""
+    """Exit code and text of the checker, run as a program with no package beside it."""
     command = [sys.executable, "-I", "-S", str(ROOT / "wmr_proofs" / "check.py"), str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     return done.returncode, done.stdout + done.stderr
@@ -271,7 +271,7 @@ def test_another_answer_or_hash_than_in_the_index_is_refused(tmp_path):
 
 
 def test_with_hashes_as_committed_every_alteration_is_refused():
-    """One character of a text or of a certificate is another one."""
+    """One character of a text or of a certificate is replaced."""
     rng = random.Random(0)
     whole = [row for row in index().values() if all(item[3] for item in row["obligations"])]
     for row in rng.sample(whole, 5):

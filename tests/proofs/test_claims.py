@@ -1,4 +1,4 @@
-"""Claims and the committed ledger belong together."""
+"""Consistency of the claims and the committed ledger."""
 
 import gc
 import re
@@ -215,7 +215,7 @@ def test_a_second_solver_agrees_where_it_is_installed(monkeypatch):
 
 @pytest.mark.parametrize("solver", ["cvc5", "yices"])
 def test_second_solvers_meet_hypotheses_at_the_recorded_point_and_not_at_another(solver):
-    """A symbol may have the name of a command, "push"."""
+    """A symbol may have the name of a solver's command, "push"."""
     _ = second_solvers.programs().get(solver) or pytest.skip(f"NOT RUN: no {solver}")
     module = pytest.importorskip("wmr_proofs.methods.obligations")
     (claim,) = (claim for claim in all_claims() if claim.id == "guard.monitor")

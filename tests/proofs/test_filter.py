@@ -1,8 +1,8 @@
 """The command filter's step for bases that take velocities, as its page states it.
 
 tau v' = K u + d - v on each axis, with tau, K and d anywhere within their bounds at every instant.
-The clip sends commands that no history can add up beyond the limit V.  The governor keeps a bound
-of the speed, and sends commands behind which |v| <= V.
+The clip sends commands that cannot exceed the limit V together with any earlier ones.  The governor
+keeps a bound of the speed, and sends commands under which |v| <= V.
 """
 
 import pytest

@@ -1,4 +1,4 @@
-"""Proofs read what is compiled: choices as one, quotients as C computes them."""
+"""Proofs read the compiled graph: choices as one operation, quotients as C computes them."""
 
 import hashlib
 from pathlib import Path
@@ -19,7 +19,7 @@ def operations(graph):
 
 
 def written(graph, k):
-    """A value with all that it is computed from, as text."""
+    """A value with all its operands, recursively, as text."""
     node = graph.nodes[k]
     if node.op in ("input", "const"):
         return node.name or repr(node.value)

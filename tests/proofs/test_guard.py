@@ -1,8 +1,8 @@
-"""The velocity guard that acts at once, as docs/guarantee.md states it.
+"""The velocity guard without lateness, as docs/guarantee.md states it.
 
-M v' = F - F1 + d on each axis, F held over the period T.  M lies between M_min and M_max and may
+M v' = F - F1 + d on each axis, F held over the period T. M is between M_min and M_max and may
 change, friction never accelerates, |d| <= dbar, and the measured velocity is within nbar.  Then for
-every law inside stays inside, outside comes back, and there is always a safe force.
+every law a robot inside stays inside, a robot outside comes back, and there is always a safe force.
 """
 
 import pytest
@@ -17,7 +17,7 @@ def test_there_is_always_a_safe_force():
 
 
 def test_inside_stays_inside_for_a_whole_period():
-    """|v| <= u1 at a sample is |v| <= u1 until the next, whatever the law asks for."""
+    """|v| <= u1 at a sample implies |v| <= u1 until the next, for any requested force."""
     assert_proved("guard.inside")
 
 

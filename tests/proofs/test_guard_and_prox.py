@@ -1,4 +1,4 @@
-"""Claims that the paper does not have: guard, wheels, sampled-data law, the barrier's limits."""
+"""Claims that are not in the paper: guard, wheels, sampled-data law, the barrier's limits."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Intervals hold both the real result and what C computes."""
+"""Intervals contain both the real result and the one that C computes."""
 
 import math
 import random

@@ -1,4 +1,4 @@
-"""Quotients of polynomials: one way to write each, and the laws of a field."""
+"""Quotients of polynomials: one form for each, and the laws of a field."""
 
 from fractions import Fraction
 

@@ -89,7 +89,7 @@ KNOWN = {"wmr_ctrl.control.guard.delay:in_flight": REFUTED}
 
 @pytest.fixture(scope="module")
 def known():
-    """An entry of today with words that a record would hold."""
+    """A present entry with the words that a record would contain."""
     found = check(CLAIMED["guard.delay.rounding.scaled"])
     return replace(found, altered=KNOWN, confirmed_by=("cvc5",), cancelled=7)
 
@@ -113,7 +113,7 @@ def test_only_of_the_same_claim_something_is_taken(known, change, confirmed, alt
 
 
 def test_what_z3_showed_defined_is_asked_again_of_another_z3():
-    """The claim's own method is the ring, which another z3 does not touch."""
+    """The claim's own method is the ring, which does not depend on z3."""
     known = load().by_id()["eq04.plant"]
     forged = replace(known, cancelled=7)
     older = replace(forged, versions={**known.versions, "z3": "0.0"})

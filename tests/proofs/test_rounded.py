@@ -1,4 +1,4 @@
-"""Statements about computed numbers: what rounding may do, and nothing less."""
+"""Statements about computed numbers cover exactly what rounding may do."""
 
 from fractions import Fraction
 
@@ -55,7 +55,7 @@ def test_an_error_that_is_not_known_is_refused():
 
 @pytest.mark.parametrize("name", preset_names())
 def test_presets_lie_in_the_range_of_the_promise(name):
-    """l M_min1 u1_1/(M_min2 u1_2) within [1/22, 22], and the conditions with room to spare."""
+    """l M_min1 u1_1/(M_min2 u1_2) within [1/22, 22], and the conditions with a margin."""
     scenario = load_scenario(name)
     guard = settle(scenario, None).guard
     u1, low = scenario.limits.v_u1, guard.M_min

@@ -1,13 +1,13 @@
-"""Theorem 1 of the paper, on the model-based law that runs.
+"""Theorem 1 of the paper, for the model-based law that runs.
 
 "For the system described by (1), with the control law (9), for initial states satisfying the
 constraints |v_i| < v_u1i, i = 1, 2, the states of the system would not violate the constraints.
 When |v_c0i| < v_u2i, i = 1, 2, velocity error signals z and position error signals e would converge
 to zero."
 
-What holds on an axis: V1 falls as exp(-rho t), the model being exact and nothing pushing the robot.
-V1 has no bound at the limit, so the limit is kept; and z^2 <= 2 V1 where |v_c0| < v_u2.  That e
-converges from everywhere does not hold: the error has a second rest.
+The following holds on an axis: V1 falls as exp(-rho t), if the model is exact and nothing pushes
+the robot.  V1 has no bound at the limit, so the limit is kept; and z^2 <= 2 V1 if |v_c0| < v_u2.
+The convergence of e from everywhere does not hold, since the error has a second equilibrium.
 """
 
 import pytest
@@ -20,7 +20,7 @@ AXES = pytest.mark.parametrize("axis", ["", "-angular"])
 
 @AXES
 def test_v1_falls_at_the_rate_rho_under_the_model_based_law(axis):
-    """V1' = -rho V1 on the graph of the law that is compiled, A = 0 included."""
+    """V1' = -rho V1 on the graph of the compiled law, including A = 0."""
     assert_proved(f"eq30.law{axis}")
 
 

@@ -1,13 +1,13 @@
-"""Theorem 2 of the paper, on the adaptive network law that runs.
+"""Theorem 2 of the paper, for the adaptive network law that runs.
 
 "For the system described by (1), with the control law (57) and adaptive laws (58), for initial
 states satisfying the constraints |v_i| < v_u1i, i = 1, 2, the states of the system would not
 violate the constraints.  When |v_c0i| < v_u2i, i = 1, 2, the closed-loop control system is
 semiglobally uniformly ultimately bounded."
 
-What holds: the law is Eq. (57), its weights follow Eq. (58), and V3' <= -rho2 V3 + C on each axis,
-with C from the residual eps2 of Eq. (59).  What does not: eps2 has no bound where the barrier acts,
-so that nothing follows for the limits.
+The following holds: the law is Eq. (57), its weights follow Eq. (58), and V3' <= -rho2 V3 + C on
+each axis, with C from the residual eps2 of Eq. (59).  But eps2 has no bound where the barrier acts,
+so the limits do not follow.
 """
 
 import pytest

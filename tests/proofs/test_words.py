@@ -1,7 +1,7 @@
 """Entries about guard, filter, gate, prox and corridor hold as they are worded.
 
-Numbers are drawn from the words' hypotheses, rims among them; the product's own functions and whole
-graphs are evaluated in doubles; goals are written down here once more.
+Numbers are drawn from the hypotheses in the words, including their boundaries.  The product's own
+functions and whole graphs are evaluated in doubles.  The goals are written a second time here.
 """
 
 from fnmatch import fnmatchcase

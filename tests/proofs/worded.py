@@ -1,4 +1,6 @@
-"""Samples for claims as they are worded: numbers at and between rims, and graphs as numbers."""
+"""Samples for claims as they are worded: numbers at and between boundaries, and graphs as
+numbers.
+"""
 
 import casadi as ca
 import numpy as np
@@ -11,7 +13,7 @@ CHECKS = {}
 
 
 def about(*ids):
-    """Enter a check as one of these entries."""
+    """Register a check for these entries."""
 
     def enter(check):
         for key in ids:
@@ -22,7 +24,7 @@ def about(*ids):
 
 
 def share(rng):
-    """Numbers from 0 to 1, a sixth of them at each rim."""
+    """Numbers from 0 to 1, a sixth of them at each end."""
     value = rng.uniform(size=SAMPLES)
     at = rng.integers(0, 6, SAMPLES)
     return np.where(at == 0, 0.0, np.where(at == 1, 1.0, value))
@@ -49,7 +51,7 @@ def positive(rng):
 
 
 def between(rng, low, high):
-    """Numbers from low to high, both rims among them."""
+    """Numbers from low to high, including both ends."""
     part = share(rng)
     return np.clip(low + part * (high - low), low, high)
 
@@ -80,5 +82,5 @@ def left(most, value, *sizes):
 
 
 def same(one, other, *sizes):
-    """Minus how far both are apart, over the largest of all sizes."""
+    """Negative difference of both, relative to the largest of all sizes."""
     return -np.abs(left(one, other, *sizes))

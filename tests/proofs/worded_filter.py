@@ -64,12 +64,12 @@ class Numbers:
             self.of[item.signal.name] = [around(rng, 1.0) for _ in range(item.sym.numel())]
 
     def bases(self, push, speed):
-        """Numbers of the filter that are sound; the gains of v and of omega."""
+        """Sound numbers of the filter; the gains of v and of omega."""
         self.of |= {"filter.d": list(push), "limits.v_u1": list(speed)}
         return self.ends("filter.gain")
 
     def ends(self, name):
-        """Intervals of v and of omega, drawn anew, as one or as two."""
+        """New random intervals of v and of omega, as one or as two."""
         apart = []
         for _ in range(len(self.of[name]) // 2):
             low = positive(self.rng)
@@ -88,7 +88,7 @@ class Numbers:
 
 
 def stated(rng, n):
-    """V of v and omega, pushes below them, and the gains of each; set in the numbers."""
+    """V of v and omega, pushes below them, and the gains of each, stored in the numbers."""
     speed = several(rng, 2)
     push = [0.999 * share(rng) * SPARE * V for V in speed]
     return [V * SPARE for V in speed], push, n.bases(push, speed)
@@ -233,7 +233,7 @@ def governed_late(rng):
 
 
 def clip_of(rng, settings):
-    """A clip, and positive numbers for all that it reads."""
+    """A clip, and positive numbers for all of its inputs and parameters."""
     clip = Clip(load_scenario("paper-simulation", settings))
     n = Numbers(rng, clip.system)
     n.of = {name: [np.abs(x) + 1e-3 for x in columns] for name, columns in n.of.items()}
@@ -270,7 +270,7 @@ def _clipped(rng, settings):
 
 @about("filter.least")
 def least_commands(rng):
-    """Commands one after the other, from rest and from chance states that are as they may be."""
+    """Consecutive commands, from rest and from random admissible states."""
     small = {"filter.least": True, "base.deadband": (0.03, 0.3), "filter.scale": "axes"}
     scenario = load_scenario("paper-simulation", CLIP | small)
     clip = Clip(scenario)
@@ -423,7 +423,7 @@ def parts(rng):
 
 
 def _pair(rng, V, W, l):
-    """v and omega with |v| <= V and both wheels within W, the rims among them."""
+    """v and omega with |v| <= V and both wheels within W, including the boundaries."""
     v, turn = ways(rng) * share(rng) * np.minimum(V, W), share(rng)
     return v, ways(rng) * turn * (W - np.abs(v)) / l
 

@@ -31,7 +31,7 @@ KEYS = ("u1", "period", "M_min", "M_max", "dbar", "nbar", "alpha", "brake", "f_m
 
 @dataclass
 class Axis:
-    """Numbers of one axis that meet the theorem's conditions; times where something is late."""
+    """Numbers of one axis that meet the theorem's conditions; times if something is late."""
 
     numbers: dict[str, Array]
     delay: Array | None = None
@@ -66,7 +66,9 @@ class Axis:
         return [*(self.numbers[name] for name in KEYS), *times]
 
     def force(self, asked, y, *coming):
-        """F, hi, lo and the safe point; ``coming``: ahead, back, then rest, then the last's."""
+        """F, hi, lo and the safe point; ``coming``: ahead, back, then from rest, then the last
+        command's.
+        """
         count = len(self.columns)
 
         def formula(*x):
@@ -94,7 +96,9 @@ class Axis:
 
 
 def drawn(rng, late=""):
-    """Numbers with all conditions, many of them just met; ``late``: "", "delay" or "jitter"."""
+    """Numbers that meet all conditions, many of them only just; ``late``: "", "delay" or
+    "jitter".
+    """
     n = {name: positive(rng) for name in ("u1", "period", "M_min")}
     n["alpha"] = (0.02 + 0.98 * share(rng)) / n["period"]
     n["M_max"] = n["M_min"] * (1 + 2 * share(rng))
@@ -123,7 +127,7 @@ def drawn(rng, late=""):
 
 
 def counted(rng, a):
-    """Sums of commands under way as the entries bound them, and the last command's."""
+    """Sums of commands in transit as the entries bound them, and the last command's."""
     _, largest = a.caps()
     S, J = largest + a.net, 0 * a.u1 if a.jitter is None else a.jitter
     if a.usual is None:

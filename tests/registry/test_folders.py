@@ -1,4 +1,4 @@
-"""Whatever is written says in a sentence that its folder cannot be, and leaves nothing behind."""
+"""Every writer refuses an impossible folder in a sentence, and leaves nothing behind."""
 
 import pytest
 

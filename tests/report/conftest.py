@@ -11,7 +11,9 @@ from wmr_ctrl.report.drawing import Drawing
 
 @contextmanager
 def drawn_for_the_page(wanted):
-    """To save time: only the pictures of these names, as SVG; empty ones for the others."""
+    """To save time, draw only the pictures of these names, as SVG, and write empty files for the
+    others.
+    """
     whole = Drawing.save
 
     def save(drawing, folder):

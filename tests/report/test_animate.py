@@ -1,4 +1,4 @@
-"""The robot as moving pictures."""
+"""Animations of the robot."""
 
 import json
 import re
@@ -36,7 +36,7 @@ def test_a_scene_keeps_the_first_and_the_last_sample(run):
 
 
 def test_a_page_holds_all_that_it_shows(run, tmp_path):
-    """Names cannot break it."""
+    """Names of any characters cannot break it."""
     name = "</title><script>alert(1)</script>"
     animate_runs([replace(run, scenario=name)], tmp_path / "run.html")
     page, data = shown_of(tmp_path / "run.html")

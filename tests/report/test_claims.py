@@ -1,4 +1,4 @@
-"""Claims as data, the tests that they are put to, and the rule that turns tests into verdicts."""
+"""Claims as data, their tests, and the rule that turns tests into verdicts."""
 
 import math
 import re
@@ -36,7 +36,7 @@ def row(law, seed, **values):
 
 
 def evidence(*rows):
-    """Rows with every figure None but those that are given."""
+    """Rows with the given figures; every other figure is None."""
     empty = dict.fromkeys(REPORTED, None)
     return Evidence(table_of_rows([{**empty, **row} for row in rows]))
 

@@ -1,4 +1,4 @@
-"""Which figures there are, and that each is the same file each time."""
+"""The list of figures, and that each gives the same file each time."""
 
 import string
 

@@ -1,4 +1,4 @@
-"""Numbers on pages and pictures: cells of tables, bodies, bands, views, means that glide."""
+"""Numbers on pages and pictures: cells of tables, bodies, bands, views, running means."""
 
 import json
 from dataclasses import replace

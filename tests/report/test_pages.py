@@ -1,4 +1,4 @@
-"""Pages of runs and studies: they need nothing but themselves, and their numbers are JSON's."""
+"""Pages of runs and studies are self-contained, and their numbers are JSON's."""
 
 import html
 import json
@@ -27,7 +27,7 @@ def run(request):
 
 
 def alone(text):
-    """Nothing is loaded from elsewhere; both colour schemes and paper are provided for."""
+    """Assert that nothing is loaded from elsewhere, with both colour schemes and print."""
     loaded = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?([^"\')\s>]+)', text)
 
     assert all(address.startswith(("data:image/svg+xml;base64,", "#")) for address in loaded)

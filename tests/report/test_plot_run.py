@@ -98,7 +98,7 @@ def test_the_figures_of_a_run_are_those_that_the_command_line_prints():
 
 @pytest.mark.slow
 def test_nothing_is_certified_of_another_plant_or_order_of_steps():
-    """The certificate is about the plane model, and torques as late as the scenario says."""
+    """The certificate is about the plane model, with the torque delay of the scenario."""
     run = simulate(load_scenario("safe-simulation", {"clock.duration": 0.1}), "prox")
     other = replace(run, settings=replace(run.settings, plant_kind="fmu"))
     late = replace(run, provenance={**run.provenance, "master": "jacobi"})
@@ -113,7 +113,7 @@ def test_nothing_is_certified_of_another_plant_or_order_of_steps():
 
 @pytest.mark.slow
 def test_a_robot_that_turned_once_about_itself_stands_on_its_path_again():
-    """Its orientation error is then a whole turn, and it looks as its path asks."""
+    """Its orientation error is a whole turn, and its heading is the desired one."""
     told = {"initial.pose": [2.4, 0.5, 0.0], "clock.control": 0.02}
     run = simulate(override(load_scenario("safe-simulation"), told), "prox")
     figure = plot_run(run)

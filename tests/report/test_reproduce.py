@@ -16,7 +16,7 @@ def never(*_args):
 
 @pytest.fixture
 def idle(monkeypatch):
-    """Nothing may be compiled or run."""
+    """Fail if anything is compiled or run."""
     monkeypatch.setattr(api, "compile_law", never)
     monkeypatch.setattr("wmr_ctrl.simulation.campaign.engine.build_loop", never)
 

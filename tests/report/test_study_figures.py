@@ -42,7 +42,7 @@ def table_of(value, refused=None, **changes):
 
 
 def test_indices_are_those_of_each_point_of_the_grid():
-    """At 5 ms only mu matters, at 10 ms only m, each whole."""
+    """At 5 ms only mu matters, at 10 ms only m; each index is then 1."""
     pytest.importorskip("SALib")
     table = table_of(lambda r: r["robot.mu"] if r["clock.control"] < 0.007 else r["robot.m"] / 60)
     axes = _indices(table).axes

@@ -48,7 +48,7 @@ def shares():
 
 @pytest.fixture(scope="module")
 def written(campaign, shares, tmp_path_factory):
-    """Everything; of the figures those that are SHOWN."""
+    """All files; of the figures those in SHOWN."""
     out = tmp_path_factory.mktemp("made") / "new" / "folder"
     with drawn_for_the_page(SHOWN.__contains__):
         return write_reproduction(

@@ -38,7 +38,7 @@ def test_stamps_are_used_and_receipts_where_there_are_none():
     ],
 )  # fmt: skip
 def test_receipts_are_put_on_the_clock_of_the_stamps(rate, pause, jitter, other):
-    """A simulation at `rate` of real time that may stand still; messages up to 30 ms late."""
+    """A simulation at ``rate`` times real time, which may pause; messages are up to 30 ms late."""
     late = np.minimum(jitter * np.random.default_rng(0).exponential(size=(2, len(T))), 0.03)
     odom, sent = 100 + T / rate + pause * (T > 9.98) + late
     stamps, remarks = (sent - 3e5 if other else 0 * T), []

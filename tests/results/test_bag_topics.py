@@ -96,7 +96,9 @@ def joints_at(stamps, *values, **names):
 
 @pytest.mark.parametrize("plugin", StoragePlugin)
 def test_a_drive_around_a_circle_arrives_in_our_frame(tmp_path, plugin):
-    """REP 103 has 0 along +X: there theta is -pi/2, it is not wrapped, and speeds are the same."""
+    """In REP 103, 0 is along +X, where theta is -pi/2; theta is not wrapped, and speeds are
+    equal.
+    """
     t = np.arange(0, 10, 0.1)
     yaw = 1.3 * t
     x, y = 0.3 * np.sin(yaw), 0.3 * (1 - np.cos(yaw))
@@ -138,7 +140,7 @@ def test_messages_out_of_order_are_sorted_and_repeated_ones_left_out(tmp_path):
 
 
 def test_a_sideways_velocity_is_reported_as_not_read(tmp_path):
-    """Once a topic, with the largest speed; nothing where it is 0 or no number."""
+    """Once a topic, with the largest speed; not if it is 0 or NaN."""
     t = EPOCH + np.arange(0, 10, 0.1)
     sent = [("/cmd_vel", TWIST, s, twist(0.5, 0.1, math.nan)) for s in t]
     odom = odom_at(t[:50]) + odom_at(t[50:], sideways=-0.3)

@@ -1,4 +1,4 @@
-"""A foreign plant that contradicts itself: found where it does, not where it merely lags."""
+"""A foreign plant that contradicts itself is reported; one that merely lags is not."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ def run(request):
 
 
 def foreign(run, **columns):
-    """The run as somebody else's plant would have made it, with other columns."""
+    """The run as another author's plant would have made it, with other columns."""
     settings = replace(run.settings, plant_kind="fmu")
     return replace(run, settings=settings, columns={**run.columns, **columns})
 

@@ -1,4 +1,4 @@
-"""The numbers that are kept of each run."""
+"""The numbers that are stored for each run."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Atomic writing: the whole new file or the old one, and nothing beside it."""
+"""Atomic writing: the whole new file or the old one, and no other files."""
 
 import errno
 import os

@@ -37,7 +37,9 @@ def saved(run, folder, suffix):
 
 
 def refused(path):
-    """Whether loading is refused, in one paragraph that names the file; any other error fails."""
+    """True if loading is refused in one paragraph that names the file; any other error fails the
+    test.
+    """
     try:
         load_run(path)
     except ResultFileError as error:

@@ -25,14 +25,18 @@ from wmr_ctrl.results.verdicts import Outlook
 
 
 def known(run, tau_max, needed=1.0):
-    """The run with what theory says of its scenario: its torque limit, the torques it needs."""
+    """The run with theory's numbers about its scenario: its torque limit and the torques it
+    needs.
+    """
     vars(run)["outlook"] = Outlook(tau_max, (), exact_pose=False)
     vars(run)["needed"] = np.full((run.rows, 2), needed)
     return run
 
 
 def arriving(x, goal=6.0, **more):
-    """A run of 10 s whose goal (1, 0) the desired motion reaches at 6 s, the robot as asked."""
+    """A run of 10 s whose desired motion reaches the goal (1, 0) at 6 s; the robot's path is
+    given.
+    """
     run = build(duration=10.0, control=0.1, x=x, x_d=1.0, **more)
     return replace(run, settings=replace(run.settings, arrival=goal, tolerance=0.05))
 

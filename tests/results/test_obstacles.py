@@ -1,4 +1,4 @@
-"""Distances from obstacles: of points, of logs and of runs without one, and in words."""
+"""Distances from obstacles: of points, of logs and of runs without one, and as text."""
 
 import math
 

@@ -9,7 +9,7 @@ from wmr_ctrl.results.oscillation import KEPT, fast_swing_rms, oscillation
 
 @pytest.mark.parametrize("count", [100, 101])
 def test_fast_swing_excludes_the_power_of_slow_parts(count):
-    """Parseval: half of a sine's square, and all of a part that alternates between samples."""
+    """By Parseval: half of a sine's square, and all of a part that alternates between samples."""
     k, period = np.arange(count), 0.01
     whole = 2 * np.pi * k / count
     slow, fast = 5.0 + 0 * whole, 0.3 * np.sin(20 * whole)
@@ -41,7 +41,7 @@ def test_with_few_periods_a_line_needs_more_of_the_power(periods, told):
     (0.2, 0.6, True), (0.2, 0.3, False), (0.05, 0.6, False), (2.0, 0.6, True),
 ])  # fmt: skip
 def test_a_cycling_velocity_is_found_by_its_swing(frequency, swing, told):
-    """Peak to peak about the desired one, of a limit of 1.5 rad/s; 40 s are looked at."""
+    """Peak to peak about the desired velocity, for a limit of 1.5 rad/s and a window of 40 s."""
     t = 0.01 * np.arange(8000)
     run = build(duration=80.0, omega=swing / 2 * np.sin(2 * np.pi * frequency * t))
     found = oscillation(run)
@@ -54,7 +54,7 @@ def test_a_cycling_velocity_is_found_by_its_swing(frequency, swing, told):
 
 @pytest.mark.parametrize("share, told", [(KEPT - 0.1, False), (KEPT + 0.1, True)])
 def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(share, told):
-    """A wave of 5 Hz whose last quarter has that share of the amplitude before."""
+    """A wave of 5 Hz whose amplitude in the last quarter is that share of the one before."""
     t = 0.01 * np.arange(1600)
     wave = np.sin(10 * np.pi * t) * np.where(t < 14.0, 1.0, share)
 
@@ -63,7 +63,7 @@ def test_a_swing_that_falls_below_its_share_in_a_quarter_decays(share, told):
 
 @pytest.mark.parametrize("periods, rms", [(1, 0.0), (3, 0.0), (5, 1 / np.sqrt(2))])
 def test_fewer_than_four_periods_are_a_transient(periods, rms):
-    """A window of half a second, however fast they are."""
+    """A window of half a second, for any frequency."""
     signal = np.sin(2 * np.pi * periods * np.arange(50) / 50)[:, None]
 
     assert fast_swing_rms(signal, 0.01) == pytest.approx(rms, abs=1e-9)
@@ -84,7 +84,7 @@ def test_a_cycle_has_periods_and_does_not_decay(decay, periods, told):
 
 
 def test_a_swing_is_no_larger_than_the_wheels_allow():
-    """A square wave between the torque limits holds a line that is longer than the wave."""
+    """A square wave between the torque limits has a spectral line larger than the wave."""
     square = np.where(np.arange(1600) % 40 < 20, 6.0, -6.0)
     found = oscillation(build(duration=16.0, tau_right=square, tau_left=square))
 

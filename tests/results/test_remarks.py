@@ -1,4 +1,4 @@
-"""Remarks: each key where it belongs, with its numbers; and the figures that they rest on."""
+"""Remarks: each key in the right case, with its numbers; and the figures behind them."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_the_outcome_is_a_remark_too():
 @pytest.mark.parametrize("engine", ["native", "numpy"])
 @pytest.mark.parametrize("share, counted", [(1e-13, False), (1e-9, True)])
 def test_rounding_is_no_violation(engine, share, counted):
-    """A start beyond the limit by so much, and no other violation after it."""
+    """A start beyond the limit by this amount, and no other violation after it."""
     start = {"initial.velocity": [1.0 + share, 0.0], "disturbance.std": 0.0}
     short = {"clock.duration": 0.2, "changes": [], "guard.enabled": False}
     run = simulate("safe-simulation", "kanayama", engine=engine, overrides={**start, **short})

@@ -21,7 +21,7 @@ def keys(run):
 
 
 def arriving(duration, x):
-    """Rests at the goal from 4 s on; metrics.tolerance is 5 cm."""
+    """A run that rests at the goal from 4 s on; metrics.tolerance is 5 cm."""
     run = build(duration=duration, control=0.1, x=x)
     return replace(run, settings=replace(run.settings, arrival=4.0, tolerance=0.05))
 
@@ -50,7 +50,7 @@ def test_drive_and_end_are_judged_apart_and_the_start_fades():
 
 
 def test_on_a_line_the_motion_needs_friction_half_at_each_wheel():
-    """mu m g r/2 at constant speed; 20 % more from the mass on that is added later."""
+    """mu m g r/2 at constant speed; 20 % more after the later increase of mass."""
     line = {"reference.kind": "line", "changes": [{"t": 5.0, "m": 60.0}], "clock.duration": 10.0}
     run, robot = simulate("paper-simulation", "kanayama", overrides=line), ROBOT
     torque = robot.mu * robot.m * robot.g * robot.r / 2
@@ -89,7 +89,7 @@ def test_a_run_of_an_unknown_law_is_not_said_to_be_checked():
 
 
 def test_torques_of_somebody_elses_law_are_judged_by_what_the_motion_needs():
-    """Theory knows nothing of it; the motion, the drives and the sensors are those of the log."""
+    """Theory knows nothing of the law; motion, drives and sensors are those of the log."""
     told = {"actuator.tau_max": 6.0, "encoder.counts": 4096, "changes": []}
     run = simulate("safe-simulation", "pid", overrides={"clock.duration": 20.0, **told})
     calm = replace(run, law="Theirs")

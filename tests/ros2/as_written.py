@@ -1,8 +1,9 @@
-"""Commands of the pages as they are written there; run by a Python that has rclpy.
+"""Run the commands of the pages as they are written there; for a Python that has rclpy.
 
 ``python as_written.py SCENARIO ROWS``: ROWS (JSON) has "files" by name, which are written beside
-SCENARIO, and "commands", the words of each after ``-m wmr_ctrl.ros2``.  Per command the first
-velocities that came, who is then heard on /cmd_vel_monitored, and the exit code of SIGINT.
+SCENARIO, and "commands", the words of each after ``-m wmr_ctrl.ros2``.  For each command it prints
+the first velocities received, the other senders on /cmd_vel_monitored, and the exit code after
+SIGINT.
 """
 
 import json

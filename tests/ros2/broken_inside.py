@@ -1,8 +1,8 @@
 """Exceptions in a node's callbacks, seen over DDS; run by a Python that has rclpy.
 
-``python broken_inside.py SCENARIO drive|filter`` runs the real node beside a base that does at once
-what it is told.  One after the other what a callback calls raises, then is whole again; what was
-seen is printed as JSON.
+``python broken_inside.py SCENARIO drive|filter`` runs the real node beside a base that follows its
+commands without delay.  One after the other, each function that a callback calls raises, then works
+again; the reactions are printed as JSON.
 """
 
 import sys
@@ -43,7 +43,7 @@ def log_of(base):
 
 
 def fault(base, log, node, called):
-    """Behaviour while something raises, and whether the base drives when it does not."""
+    """Behaviour while a function raises, and whether the base drives afterwards."""
     if not base.go(PATIENCE, base.drives):
         raise SystemExit(f"the base never drove before {called}: {base.said[-3:]}")
     reset = base.node.create_client(Trigger, f"{base.name}/reset")

@@ -31,11 +31,11 @@ OVER_DDS = pytest.mark.skipif(
 
 @pytest.fixture(scope="session")
 def ros(request):
-    """A Python with ROS 2, which sees this environment's packages too.
+    """A Python with ROS 2, which also sees this environment's packages.
 
-    The wheels restart every interpreter of their environment with libraries of their own, so
-    they are never installed into this one.  It is made once and kept in pytest's cache folder,
-    for all processes and later runs.
+    The wheels restart every interpreter of their environment with libraries of their own, so they
+    are never installed into this one.  It is made once and kept in pytest's cache folder, for all
+    processes and later runs.
     """
     from tests.ros2.environment import made  # it has locks that Windows has not
 
@@ -52,8 +52,8 @@ def ros(request):
 class Job:
     """A script of this folder around a node: ``python SCRIPT SCENARIO *words [NODE]``.
 
-    ``scenario`` is a text; ``rows`` go into a file, whose path a word {rows} becomes.  ``compiled``
-    are the settings of the node in C that takes the place of that in Python.
+    ``scenario`` is a text; ``rows`` are written to a file, whose path replaces the word {rows}.
+    ``compiled`` are the settings of the C node that replaces the Python one.
     """
 
     script: str
@@ -76,8 +76,8 @@ def in_both(script, scenario, words=(), compiled=(), rows=None):
 def report(request, ros, tmp_path_factory):
     """The JSON that a job prints, by its name in a module's JOBS.
 
-    Nodes and scripts mostly wait: those of all modules that are tested run AT_ONCE, each in a
-    domain of its own, from the moment at which the first is asked for.
+    Nodes and scripts mostly wait.  So the jobs of all modules under test run AT_ONCE, each in a
+    separate domain, as soon as the first one is requested.
     """
     modules = dict.fromkeys(item.module for item in request.session.items)
     made = [module.JOBS() for module in modules if hasattr(module, "JOBS")]
@@ -101,14 +101,14 @@ def report(request, ros, tmp_path_factory):
 
 
 def environment_of(place=0):
-    """No other machine and no other test hears these nodes."""
+    """Environment in which no other machine and no other test hears these nodes."""
     local = {"ROS_DOMAIN_ID": str(1 + (os.getpid() + place) % 100)}
     return {**os.environ, **local, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
 @pytest.fixture(scope="session")
 def environment():
-    """For nodes beside the jobs."""
+    """Environment for nodes beside the jobs."""
     return environment_of(-1)
 
 
@@ -132,7 +132,7 @@ def report_of(job, ros, environment, folder, running):
 
 
 def with_python():
-    """Words for a linker: the wheels' librcl wants libpython."""
+    """Words for a linker, since the wheels' librcl needs libpython."""
     python, shared = sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("LDLIBRARY")
     yield from ("-Wl,--allow-shlib-undefined,--no-as-needed", f"-Wl,-rpath,{python}")
     yield f"{python}/{shared}"

@@ -1,9 +1,9 @@
 """Faults around the drive, from outside over DDS; run by a Python that has rclpy.
 
-``python drive_faults.py SCENARIO`` plays a base that does at once what it is told, breaks one thing
-after the other, and prints what was seen as JSON: per fault when the command began to fall and when
-it was zero [s after the fault], what diagnostics said, and whether it drove again.  Then the same
-on simulated time that stops, goes back and leaps ahead.
+``python drive_faults.py SCENARIO`` simulates a base that follows its commands without delay, and
+causes one fault after the other.  It prints as JSON for each fault when the command began to fall
+and when it was zero [s after the fault], the diagnostics, and whether it drove again.  Then it does
+the same on simulated time that stops, goes back and leaps ahead.
 """
 
 import sys

@@ -1,8 +1,8 @@
 """Life of the drive node in real time, from outside over DDS; run by a Python that has rclpy.
 
-``python drive_live.py SCENARIO`` plays a base that does at once what it is told, takes the node
-through its states, gives it a path, freezes it, kills it and starts it again, and prints what was
-seen as JSON.
+``python drive_live.py SCENARIO`` simulates a base that follows its commands without delay, takes
+the node through its states, gives it a path, freezes it, kills it and starts it again, and prints
+the reactions as JSON.
 """
 
 import math
@@ -41,7 +41,7 @@ PATH = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.1), (1.5, 0.1)]
 
 
 class Follower(Base):
-    """A base with a planner, which may forget what was told."""
+    """A base with a planner, which may forget past diagnostics."""
 
     cruise = 0.15
 

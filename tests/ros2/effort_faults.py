@@ -1,8 +1,8 @@
 """Faults around the drive on a base that takes wheel efforts, from outside over DDS.
 
-``python effort_faults.py SCENARIO`` plays a base with mass and dry friction, breaks one thing after
-the other and prints what was seen as JSON, as `drive_faults` does: a value is the larger of both
-torques, so that zero is no torque at all.  Run by a Python that has rclpy.
+``python effort_faults.py SCENARIO`` simulates a base with mass and dry friction, causes one fault
+after the other and prints the reactions as JSON, as `drive_faults` does.  A value is the larger of
+both torques, so zero means no torque at all.  Run by a Python that has rclpy.
 """
 
 import math
@@ -19,7 +19,7 @@ MASS, INERTIA, FRICTION, RADIUS, HALF_TRACK = 50.0, 5.4, 0.08 * 50.0 * 9.81, 0.1
 
 
 class Wheels(Base):
-    """A base that is pushed by its wheels, and slowed by friction."""
+    """A base that wheel torques push and friction slows."""
 
     period = 0.05
 
@@ -54,7 +54,7 @@ class Wheels(Base):
 
 
 def further(scenario, base):
-    """A stop, a rival, a process that stands still, and one that is killed."""
+    """A stop, a rival, a frozen process, and a killed one."""
     found = base.stopped()
     rival = base.node.create_publisher(Float64MultiArray, "effort_commands", SURE)
     found["rival"] = base.until_said("other publishers")

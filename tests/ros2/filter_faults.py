@@ -1,9 +1,9 @@
 """Faults around the filter node, from outside over DDS; run by a Python that has rclpy.
 
-``python filter_faults.py SCENARIO [NODE]`` starts the node (that in Python, or the program NODE),
-plays base and planner, breaks one thing after the other and prints what was seen as JSON: per fault
+``python filter_faults.py SCENARIO [NODE]`` starts the node (in Python, or the program NODE),
+simulates base and planner, and causes one fault after the other.  It prints as JSON for each fault
 when the command began to fall and when it was zero [s after the fault], the longest silence of the
-node, the last command, and what diagnostics said.  A fault in which this process was late itself is
+node, the last command, and the diagnostics.  A fault during which this process itself was late is
 repeated.
 """
 

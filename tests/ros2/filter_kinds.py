@@ -1,8 +1,8 @@
 """Kinds of messages and of odometry around the filter, over DDS; run by a Python that has rclpy.
 
-``python filter_kinds.py SCENARIO KIND [NODE]``: KIND "twist" sends commands without stamps by a
-process of its own, which is killed; "governor" tells what the filter says of odometry that is
-there, and of none.  What was seen is printed as JSON.
+``python filter_kinds.py SCENARIO KIND [NODE]``: KIND "twist" sends commands without stamps from a
+separate process, which is killed; "governor" shows the filter's reports with odometry and without.
+The results are printed as JSON.
 """
 
 import subprocess
@@ -56,7 +56,8 @@ def unstamped(process):
 def governed(process):
     """Flags of four messages or more while the base drives with odometry and without.
 
-    With odometry until it was used, since a busy machine's is too old at times.
+    With odometry it drives until the odometry was used, since on a busy machine it is sometimes too
+    old.
     """
     world, found = World(process), {}
     for name, spoil in (("with", None), ("without", missing)):

@@ -1,9 +1,9 @@
 """Faults of process, graph and time around the filter, from outside over DDS.
 
-``python filter_live.py SCENARIO [NODE]`` runs the node (that in Python, or the program NODE, which
-has no parameters) in a namespace with remapped topics: frozen, killed and started again, with two
+``python filter_live.py SCENARIO [NODE]`` runs the node (in Python, or the program NODE, which has
+no parameters) in a namespace with remapped topics: frozen, killed and started again, with two
 senders, with parameters set and another scenario; then on simulated time that stops, goes back and
-leaps ahead.  What was seen is printed as JSON.
+leaps ahead.  The results are printed as JSON.
 """
 
 import sys
@@ -43,7 +43,7 @@ def to_rest(world, **how):
 
 
 def scaled(world):
-    """A parameter that is set while it drives."""
+    """Effect of a parameter that is set while the base drives."""
     scale = partial(has_set, world.node, "wmr_filter", "speed_scale")
     found = {f"scale {value:g}": scale(value) for value in (7.0, 0.25)}
     world.go(PATIENCE, lambda: world.speed[0] == 0.125)

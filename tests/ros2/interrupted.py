@@ -1,8 +1,8 @@
 """The filter's process when signals or exceptions come at bad moments; run by one with rclpy.
 
 ``python interrupted.py SCENARIO`` runs the filter once per case, as its command does, and prints
-exit code, last command, number of its commands, and what failed, as JSON.  Who does not end is
-killed by SIGALRM.
+exit code, last command, number of its commands, and failures, as JSON. SIGALRM kills a process that
+does not end.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def interrupt(*numbers):
 
 
 class Dropped:
-    """What interrupts its process when it is destroyed."""
+    """An object that interrupts its process when it is destroyed."""
 
     def __del__(self):
         interrupt()
@@ -79,7 +79,7 @@ class InWhatTakesLong(Watched):
 
 
 class InATransition(Watched):
-    """Interrupts arrive within on_deactivate, from whose state a node cannot be deactivated."""
+    """Interrupts arrive within on_deactivate, a state from which a node cannot be deactivated."""
 
     def first_tick(self):
         self.trigger_deactivate()
@@ -93,7 +93,7 @@ class InATransition(Watched):
 
 
 class AtTheEnd(Watched):
-    """While the last zero is waited for."""
+    """An interrupt arrives while the node waits for its last zero."""
 
     def first_tick(self):
         interrupt()

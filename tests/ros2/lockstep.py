@@ -29,7 +29,7 @@ def orientation(theta):
 
 
 class Message(Section, key="message"):
-    """Whether the law reads the pose as a message carries it."""
+    """Parameter: whether the law reads the pose as a message carries it."""
 
     sent: float = quantity(0.0, unit="1", doc="1: it does")
 

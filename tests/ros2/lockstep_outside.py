@@ -1,12 +1,12 @@
 """Filter and drive in a loop over DDS, from outside; run by a Python that has rclpy.
 
 ``python lockstep_outside.py SCENARIO ROWS LAW [NODE]`` starts nodes on simulated time, in a
-namespace.  Without a LAW ("-") the filter (that in Python, or the program NODE) answers commands
-when they come: rows of ROWS (JSON: v, omega, v measured, omega measured, stamp in ns).  With one,
-rows are odometry (x, y, orientation, v, omega, stamp) for the drive, before the filter NODE, or
-alone where there is none: then it sends efforts.  The filter watches odometry, and hears it before
-anybody hears of a command of that time, from the same rows.  Each row is sent after the answer to
-the one before; the answers are printed as JSON.
+namespace.  Without a LAW ("-") the filter (in Python, or the program NODE) answers commands when
+they come: rows of ROWS (JSON: v, omega, v measured, omega measured, stamp in ns).  With a LAW, rows
+are odometry (x, y, orientation, v, omega, stamp) for the drive, in front of the filter NODE, or
+alone without a NODE: then it sends efforts.  The filter watches odometry from the same rows, and
+receives it before any node receives a command of that time.  Each row is sent after the answer to
+the previous one; the answers are printed as JSON.
 """
 
 import json
@@ -57,14 +57,16 @@ class Sender:
             self.taken = self.taken or int(values.get("commands taken", 0)) > 0
 
     def tell_time(self, stamp):
-        """The clock's time, as a stamp; ``timeless``: no timer is to know it before a message."""
+        """Publish the clock's time and return it as a stamp; ``timeless``: no timer may see it
+        before a message.
+        """
         if not self.timeless:
             self.time = Clock(clock=stamp_of(stamp))
             self.clock.publish(self.time)
         return stamp_of(stamp)
 
     def send(self, row):
-        """The clock, then odometry of its time, first for the filter, and a command if any."""
+        """Send the clock, then odometry of its time, first to the filter, and a command if any."""
         stamp = self.tell_time(int(row[-1]))
         at_rest = (0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
         self.seen.publish(odometry_of(stamp, *at_rest, row[-3:-1]))
@@ -74,16 +76,17 @@ class Sender:
             self.commands.publish(command_of(stamp, *row[:2]))
 
     def answer(self, seconds):
-        """The next command, or None where none comes."""
+        """The next command, or None if none comes."""
         end, count = time.monotonic() + seconds, len(self.answers)
         while len(self.answers) == count and time.monotonic() < end:
             rclpy.spin_once(self.node, timeout_sec=0.05)
         return self.answers[-1] if len(self.answers) > count else None
 
     def first_answer(self, row):
-        """The answer to the drive's first row, before which zeros come; None where none comes.
+        """The answer to the drive's first row, after the zeros before it; None if none comes.
 
-        Who has not met everybody yet may miss time or message: both are sent again.
+        A node that has not yet discovered all others may miss time or message, so both are sent
+        again.
         """
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
@@ -104,7 +107,7 @@ class Sender:
             self.send([0.0] * 4 + [stamp])
 
     def meet_all(self, first, step):
-        """Let time pass until the nodes hear all, and the filter takes commands."""
+        """Let time pass until the nodes receive all topics, and the filter accepts commands."""
         for k in range(1500, 5, -1):
             self.pass_time(first - BEFORE - k * step)
             end = time.monotonic() + PATIENCE / 1500
@@ -124,7 +127,7 @@ class Sender:
 
 
 def start(scenario, law, node):
-    """The filter, and the drive before it or alone where a law is named."""
+    """Start the filter, and the drive in front of it, or alone if a law is named."""
     given = [
         f"scenario:={scenario}", "rise:=[1e6, 1e6]", "fall:=[1e6, 1e6]", "excess:=[1.0, 1.0]",
         "odometry_timeout:=60.0", SOON,

@@ -1,7 +1,7 @@
-"""Surroundings of a node over DDS, seen from outside; imported by scripts that rclpy runs.
+"""Surroundings of a node over DDS, seen from outside; imported by scripts for a Python with rclpy.
 
 A base that follows its commands without delay and reports its motion as odometry, with a planner
-beside it for the filter; faults of both, and the node's reactions.
+for the filter; faults of both, and the node's reactions.
 """
 
 import json
@@ -60,8 +60,8 @@ OLDER = 75_000_000
 class Base:
     """A base that follows its commands without delay.
 
-    It keeps its node's messages: ``seen``, rows of a time and a command, ``said``, the sentences of
-    diagnostics, and ``details``, all their values.
+    It stores its node's messages: ``seen``, rows of a time and a command; ``said``, the sentences
+    of diagnostics; and ``details``, all their values.
     """
 
     name, period, cruise = "wmr_drive", RATE, 0.25
@@ -93,7 +93,7 @@ class Base:
             self.details.append({item.key: item.value for item in status.values})
 
     def told(self, word):
-        """Whether diagnostics have a word."""
+        """True if diagnostics contain a word."""
         return any(word in text for text in self.said)
 
     def stamp(self, ago=0.0):
@@ -102,7 +102,7 @@ class Base:
         return stamp_of(now - round(ago * 1e9))
 
     def move(self):
-        """Take the pose and speed that a period leads to."""
+        """Update pose and speed by a period's motion."""
         x, y, yaw = self.pose
         way, turn = (self.period * speed for speed in self.speed)
         self.pose = [x + way * math.cos(yaw), y + way * math.sin(yaw), yaw + turn]
@@ -118,7 +118,9 @@ class Base:
         self.publish(self.odometry, odometry_of(self.stamp(), (x, y), turn, self.speed), spoil)
 
     def publish(self, publisher, message, spoil):
-        """Send a message that ``spoil`` has changed; an older one before it where it says so."""
+        """Send a message that ``spoil`` has changed, and an older one before it if ``spoil`` says
+        so.
+        """
         changed = spoil(message) if spoil else None
         if changed is not None and changed is not False:
             publisher.publish(changed)
@@ -127,7 +129,7 @@ class Base:
             publisher.publish(message)
 
     def go(self, seconds, until=lambda: False, **how):
-        """Send rounds; True where ``until`` came true."""
+        """Send rounds; return True if ``until`` became true."""
         end, before = time.monotonic() + seconds, time.monotonic()
         while time.monotonic() < end and not until():
             self.pause = max(self.pause, time.monotonic() - before)
@@ -140,7 +142,7 @@ class Base:
         return self.speed[0] > self.cruise
 
     def drive(self):
-        """A sound world until the base has driven for a while, and still does."""
+        """Run without faults until the base has driven for a while, and still does."""
         for _ in range(ATTEMPTS):
             if self.go(PATIENCE, self.drives) and not self.go(0.3) and self.drives():
                 return
@@ -153,7 +155,7 @@ class Base:
         return sorted(set(self.said))
 
     def fell(self):
-        """Whether a command below that before the fault has come."""
+        """True if a command below the one before the fault has come."""
         return any(row[1] < self.before - 0.02 for row in self.seen)
 
     def rested(self, word):
@@ -165,9 +167,9 @@ class Base:
     def fault(self, until=None, first=None, again=False, **how):
         """Reaction to a fault: altered rounds, or an action ``first`` (once).
 
-        It lasts for LASTS, or ``until`` something is true.  It is made again where this process was
-        late, but what is done ``first`` only if ``again``: then also where it was not true in time,
-        as of a leap while the node had no odometry.
+        It lasts for LASTS, or ``until`` a condition is true.  It is repeated if this process was
+        late; a fault with an action ``first`` is repeated only if ``again``, and then also if the
+        condition was not true in time, as for a leap while the node had no odometry.
         """
         lasts = LASTS if until is None else AWAITED if again else PATIENCE
         for _ in range(1 if first and not again else ATTEMPTS):
@@ -241,14 +243,14 @@ class Base:
         self.speed = 0.0, 0.0
 
     def frozen(self, **how):
-        """Number of commands while the process stands still, after which it goes on."""
+        """Number of commands while the process is frozen, before it continues."""
         self.process.send_signal(signal.SIGSTOP)
         count = self.count_after_quiet(0.6, **how)
         self.process.send_signal(signal.SIGCONT)
         return count
 
     def killed(self, restart, **how):
-        """Number of commands after SIGKILL, and the largest one of a next life."""
+        """Number of commands after SIGKILL, and the largest one after a restart."""
         self.process.kill()
         self.process.wait()
         found = {"after the kill": self.count_after_quiet(0.5)}
@@ -278,13 +280,13 @@ class World(Base):
         return abs(self.speed[0] - 0.5) < 1e-6
 
     def round(self, spoil=None, command=None):
-        """Odometry, and what ``command`` sends; nothing where it is False."""
+        """Send odometry, and the result of ``command``; no command if it is False."""
         super().round(spoil)
         if command is not False:
             (command or self.command)()
 
     def command(self, v=0.5, omega=0.3, change=None):
-        """A command, which ``change`` may spoil."""
+        """Send a command, which ``change`` may alter."""
         self.publish(self.commands, command_of(self.stamp(), v, omega), change)
 
 
@@ -335,7 +337,7 @@ def without_stamp(message):
 
 
 def speed(v):
-    """Another speed [m/s] in a message."""
+    """Alteration: another speed [m/s] in a message."""
 
     def spoil(message):
         getattr(message.twist, "twist", message.twist).linear.x = v
@@ -344,7 +346,7 @@ def speed(v):
 
 
 def older(seconds):
-    """An older stamp, by so many seconds."""
+    """Alteration: a stamp that is older by some seconds."""
 
     def spoil(message):
         message.header.stamp.sec -= seconds
@@ -353,7 +355,7 @@ def older(seconds):
 
 
 def repeated():
-    """The stamp of the first message that is spoilt."""
+    """Alteration: the stamp of the first altered message."""
     first = []
 
     def spoil(message):
@@ -364,7 +366,9 @@ def repeated():
 
 
 def out_of_order(v=None):
-    """A message before this one, older than the last, with another speed [m/s] if one is given."""
+    """Alteration: a message before this one, older than the last, with another speed [m/s] if one
+    is given.
+    """
 
     def spoil(message):
         before, sent = deepcopy(message), rclpy.time.Time.from_msg(message.header.stamp)
@@ -377,7 +381,7 @@ def out_of_order(v=None):
 
 
 def faults():
-    """What spoils commands or odometry, by its name."""
+    """Alterations of commands or odometry, by name."""
     return {
         "missing": missing, "in map": in_map, "of a laser": of_a_laser,
         "no rotation": no_rotation, "NaN": speed(math.nan), "infinite": speed(math.inf),
@@ -398,19 +402,19 @@ def launch(kind, *settings, remaps=(), node="", more=(), **how):
 
 
 def start(scenario, node="", *more, odometry="required", **how):
-    """The filter in Python, or the program ``node``, whose settings are compiled in."""
+    """Start the filter in Python, or the program ``node``, whose settings are compiled in."""
     settings = [] if node else [f"scenario:={scenario}", f"odometry:={odometry}", SOON]
     return launch("filter", *settings, node=node, more=more, **how)
 
 
 def start_drive(scenario, *more, looks=0.0):
-    """The drive with Kanayama's law."""
+    """Start the drive with Kanayama's law."""
     given = [f"scenario:={scenario}", "law:=kanayama", *more]
     return launch("drive", *given, f"discovery_time:={looks}")
 
 
 def spin_for(node, seconds):
-    """Let a node of this process hear for a time [s]."""
+    """Let a node of this process receive messages for a time [s]."""
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
         rclpy.spin_once(node, timeout_sec=left)
@@ -427,30 +431,30 @@ def call(node, kind, service, request):
 
 
 def has_set(node, of, name, value):
-    """Whether a parameter of a node could be set."""
+    """True if a parameter of a node could be set."""
     wanted = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
     return bool(call(node, SetParameters, f"{of}/set_parameters", wanted).results[0].successful)
 
 
 def has_changed(node, of, transition):
-    """Whether a transition of a node's lifecycle succeeded."""
+    """True if a transition of a node's lifecycle succeeded."""
     wanted = ChangeState.Request(transition=Transition(id=transition))
     return bool(call(node, ChangeState, f"{of}/change_state", wanted).success)
 
 
 def tell(found):
-    """Print what was seen as JSON and end, before rclpy takes itself down: that may crash."""
+    """Print the results as JSON and end before rclpy shuts down, which may crash."""
     sys.stdout.write(json.dumps(found))
     sys.stdout.flush()
     os._exit(0)
 
 
 def quiet(seen):
-    """Whether nothing was added for QUIET to a list whose rows begin with a time, or since now."""
+    """True if nothing was added for QUIET to a list whose rows begin with a time, or since now."""
     now = time.monotonic()
     return lambda: time.monotonic() - (seen[-1][0] if seen else now) > QUIET
 
 
 def silence(times):
-    """Longest pause [s]; 0 where there is none."""
+    """Longest pause [s]; 0 if there is none."""
     return max((b - a for a, b in pairwise(times)), default=0.0)

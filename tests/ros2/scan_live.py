@@ -1,9 +1,9 @@
 """Faults of lasers and of limits around the filter, from outside over DDS.
 
-``python scan_live.py SCENARIO KIND [NODE]`` starts the node (that in Python, or the program NODE),
-which hears a laser (KIND "scan"), or free ways (KIND "free"), breaks one thing after the other and
-prints what was seen as JSON.  The node in Python has a nav2_msgs whose messages are those of
-std_msgs: there is no wheel of the real one.
+``python scan_live.py SCENARIO KIND [NODE]`` starts the node (in Python, or the program NODE), which
+receives a laser's scans (KIND "scan") or free distances (KIND "free"), causes one fault after the
+other and prints the reactions as JSON. The node in Python has a nav2_msgs whose messages are those
+of std_msgs, since the real one has no wheel.
 """
 
 import json
@@ -43,7 +43,7 @@ LASTS = 12.0
 
 
 class Seeing(World):
-    """World with a laser, or free ways, and limits; a test can change their values."""
+    """World with a laser, or free distances, and limits; a test can change their values."""
 
     def __init__(self, process, kind):
         super().__init__(process)
@@ -71,7 +71,7 @@ class Seeing(World):
         self.scans.publish(message)
 
     def command(self, v=0.5, omega=0.0):
-        """Send a scan or free ways, a limit, and a command."""
+        """Send a scan or free distances, a limit, and a command."""
         if self.sees and self.kind == "scan":
             self.scan()
         elif self.sees:
@@ -84,7 +84,7 @@ class Seeing(World):
         super().command(v, omega)
 
     def until_rest(self, word, command=None):
-        """Seconds until the base is sent zeros; what diagnostics say once they have the word."""
+        """Seconds until the base receives zeros; the diagnostics once they contain the word."""
         start = time.monotonic()
         self.said.clear()
         rests = self.go(LASTS, lambda: self.speed == (0.0, 0.0), command=command)
@@ -94,12 +94,12 @@ class Seeing(World):
         return {"after": after, "said": said, "details": self.details[-1]}
 
     def again(self):
-        """A sound world until the base drives."""
+        """Run without faults until the base drives."""
         self.sound()
         self.drive()
 
     def reaches(self, low, high, command=None):
-        """Whether the speed that is sent comes into a range; steps that are late may delay it."""
+        """True if the sent speed comes into a range; late steps may delay it."""
         return self.go(PATIENCE, lambda: low <= self.speed[0] <= high, command=command)
 
     def enabled(self):
@@ -129,7 +129,7 @@ def of_scans(world):
 
 
 def of_ways(world):
-    """Free ways that are odd numbers, and a command to turn on the spot before a wall."""
+    """Reactions to invalid free distances, and to a command to turn on the spot before a wall."""
     found = {}
     world.enable.publish(Bool(data=True))
     for name, ahead in (("none", 0.25), ("negative", 0.0), ("infinite", -math.inf)):
@@ -150,7 +150,7 @@ def of_ways(world):
 
 
 def frozen(world):
-    """The largest command after the process stood still, and whether it drives again."""
+    """The largest command after the process was frozen, and whether it drives again."""
     world.reaches(0.5, 0.5, world.enabled)
     world.frozen()
     world.go(PATIENCE, lambda: len(world.seen) > MANY)
@@ -177,7 +177,7 @@ def of_limits(world):
 
 
 def of_limits_that_must_go_on(world):
-    """Limits that fall silent, and those of nav2."""
+    """Reactions to limits that fall silent, and to those of nav2."""
     found = {"enabled": world.reaches(0.5, 0.5, world.enabled)}
     world.limit = None
     found["silent"] = world.until_rest("limit-refused", world.enabled)

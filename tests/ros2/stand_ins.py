@@ -1,8 +1,8 @@
-"""Our filter as a launch file for nav2 starts it, between stand-ins, over DDS.
+"""Our filter, started by a launch file for nav2, between stand-ins over DDS.
 
-``python stand_ins.py SCENARIO LAUNCH PARAMS``: substitutes arguments, starts wmr_filter with its
-parameters and remappings, plays lifecycle manager, collision monitor and base, and prints what the
-base was sent as JSON.
+``python stand_ins.py SCENARIO LAUNCH PARAMS`` substitutes arguments, starts wmr_filter with its
+parameters and remappings, simulates lifecycle manager, collision monitor and base, and prints the
+base's commands as JSON.
 """
 
 import sys

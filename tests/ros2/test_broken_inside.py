@@ -1,4 +1,4 @@
-"""An exception in a callback ends in a zero and a line of the log, never in a dead node."""
+"""An exception in a callback leads to a zero and a line of the log, never to a dead node."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The filter as a node in C, as text: its settings, and what cannot be compiled in."""
+"""The text of the filter as a node in C: its settings, and options that cannot be compiled in."""
 
 import json
 import os

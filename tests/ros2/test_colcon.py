@@ -46,7 +46,7 @@ def test_launch_files_name_what_there_is(node):
 
 @pytest.fixture(scope="module")
 def installed(ros, tmp_path_factory):
-    """Prefix that colcon installs into; what ROS packages need stands beside it."""
+    """Prefix that colcon installs into, with the files that ROS packages need."""
     space = tmp_path_factory.mktemp("space")
     shutil.copytree(PACKAGE, space / "src" / PACKAGE.name)
     paths = f"{ros.parent}{os.pathsep}{os.environ['PATH']}"
@@ -117,7 +117,7 @@ def test_without_an_environment_a_sentence_says_so(installed, python, said):
 @pytest.mark.slow
 @OVER_DDS
 def test_the_node_in_c_is_a_package_of_ament_cmake(ros, environment, tmp_path):
-    """Built by colcon as it was written, and started: a parameter that it has not ends it."""
+    """Colcon builds it unchanged.  When started, it ends at an unknown parameter."""
     (tmp_path / "base.toml").write_text(SCENARIO, "utf-8")
     write_node(tmp_path / "src" / NAME, load_scenario(tmp_path / "base.toml"))
     prefix = str(ros.parent.parent)

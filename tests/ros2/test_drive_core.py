@@ -56,12 +56,12 @@ def world(built):
 
 
 class World(Clocked):
-    """A base that follows its command at once, and its odometry."""
+    """A base that follows its command without delay, and its odometry."""
 
     pose, speed = (0.0, 0.0, 0.0), (0.0, 0.0)
 
     def pass_by(self, time=TICK):
-        """Time in which the base moves on."""
+        """Let time pass in which the base moves on."""
         x, y, yaw = self.pose
         h, (v, omega) = time * 1e-9, self.speed
         self.pose = x + h * v * math.cos(yaw), y + h * v * math.sin(yaw), yaw + h * omega
@@ -84,7 +84,7 @@ class World(Clocked):
         return gated
 
     def drive(self, count=100):
-        """Sound samples, each with its tick."""
+        """Valid samples, each with its tick."""
         for _ in range(count):
             self.pass_by()
             assert self.message()[0] == ""
@@ -92,7 +92,7 @@ class World(Clocked):
         return self.core.last
 
     def starve(self, count=60, refused=None):
-        """Ticks without a message that counts; returns the commands that went out."""
+        """Ticks without a valid message; returns the commands sent."""
         sent = []
         for _ in range(count):
             self.pass_by()
@@ -186,7 +186,9 @@ def test_ros_time_that_leaps_ahead_does_not_carry_the_reference_along(world):
 
 
 def test_a_process_that_stood_still_begins_anew(world):
-    """The base held the last command meanwhile, until its own time-out: nothing here can help."""
+    """The base held the last command meanwhile, until its own time-out; the node cannot prevent
+    this.
+    """
     world.drive()
     queued = world.ros
     world.pass_by(600 * MS)
@@ -306,7 +308,7 @@ def effort():
 
 
 def standing(core, **how):
-    """The world of a base that stands still, after a first sample."""
+    """The world of a base at rest, after a first sample."""
     world = World(core, **how)
     world.take = lambda gated: gated
     world.pass_by(10 * MS)

@@ -1,4 +1,4 @@
-"""Frames of REP-103 at the drive's border, and what its law remembers behind the gate."""
+"""Frames of REP-103 at the drive's interface, and its law's memory behind the gate."""
 
 import math
 
@@ -71,7 +71,7 @@ def test_behind_a_ramp_nothing_winds_up(law, monkeypatch):
 
 
 class Recorder:
-    """A reference with memory: which samples it was shown, and which it has taken in."""
+    """A reference with memory that records the samples shown and committed."""
 
     def __init__(self):
         self.seen, self.taken = [], []
@@ -85,7 +85,7 @@ class Recorder:
 
 
 def test_a_reference_with_memory_takes_each_sample_in_once_and_in_order():
-    """However often one is asked for, and though an earlier one is asked for in between."""
+    """Also if a sample is requested several times, or an earlier one in between."""
     motion, stepper = object.__new__(DesiredMotion), Recorder()
     vars(motion).update(_stepper=stepper, _inputs=[SAMPLE], _stateful=True, _period=0.1, _sample=0)
     for sample in (0, 3, 3, 2, 4):

@@ -177,7 +177,7 @@ PERIOD = 0.05
 
 
 def in_time(found, seconds):
-    """The bar for torques: a node's ticks are periods."""
+    """Bar of the reaction time for torques: a node's ticks are periods."""
     return seconds + 2 * max(PERIOD, found["silence"]) + SLACK
 
 

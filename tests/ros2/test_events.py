@@ -1,4 +1,4 @@
-"""Whatever comes, in any order and at any time: what leaves a core is in the stated set."""
+"""For any inputs in any order and at any time, a core's commands are in the stated set."""
 
 import math
 
@@ -32,20 +32,20 @@ def scenario():
 
 
 def at_the_rim(command, half_track):
-    """Largest speed of a wheel over the ground that a command may lead to [m/s]."""
+    """Largest ground speed of a wheel that a command can cause [m/s]."""
     v, omega = map(abs, command)
     return GAIN * (v + half_track * omega) + PUSH * (1 + half_track)
 
 
 def inside(command, half_track):
-    """Each axis within its limit over the gain, and each wheel's speed over the ground, too."""
+    """True if each axis is within its limit over the gain, and each wheel's ground speed, too."""
     v, omega = map(abs, command)
     rim = at_the_rim(command, half_track)
     return v <= TOP[0] and omega <= TOP[1] and rim <= RIM * (1 + 1e-12)
 
 
 class Chaos:
-    """Random messages and moments: clocks that stop, leap and go back, processes that stand."""
+    """Random messages and moments: clocks that stop, leap and go back, frozen processes."""
 
     def __init__(self, seed):
         self.draws = np.random.default_rng(seed)

@@ -1,4 +1,4 @@
-"""The table of faults names tests that there are, and that use nodes over real DDS."""
+"""The table of faults names existing tests that use nodes over real DDS."""
 
 import inspect
 from importlib import import_module

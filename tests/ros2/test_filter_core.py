@@ -62,7 +62,7 @@ def test_ros_time_that_stops_ends_in_rest_by_the_steady_clock(world):
 
 @pytest.mark.parametrize("stamped", [True, False])
 def test_a_process_that_stood_still_trusts_nothing_from_before(world, stamped):
-    """The queue holds a command from before the freeze, whose sender died meanwhile."""
+    """The queue has a command from before the freeze, whose sender has died."""
     world.go(60, stamped=stamped)
     queued = world.ros if stamped else 0
     world.wait(600 * MS)
@@ -86,7 +86,7 @@ def test_after_a_kill_the_next_life_sends_zeros_until_a_command_counts(world, sc
 
 
 def test_a_filter_that_starts_again_does_as_a_new_one_and_keeps_its_counters(scenario, world):
-    """Whatever it had sent, taken and latched."""
+    """After any commands, messages and latches."""
     world.go(60)
     world.core.halt(True, world.now())
     world.core.halt(False, world.now())
@@ -118,7 +118,7 @@ def test_on_simulated_time_odometry_that_is_newer_than_a_command_counts(scenario
 
 
 def test_on_simulated_time_odometry_times_out_by_the_steady_clock(scenario):
-    """A simulator that stands still says nothing new, however young its last word."""
+    """A paused simulator says nothing new, however recent its last message."""
     world, flags = measured(scenario), []
     for steady in (20, 60, 60, 20):
         flags.append("no-odometry" in world.core.tick(world.now()).flags)
@@ -197,7 +197,7 @@ def sent_at(world, *, ros=0, steady=0, simulated=False):
 
 
 def timer(world, *, steady, simulated=False):
-    """Whether the timer answers so much later [ms]."""
+    """True if the timer answers at this later time [ms]."""
     world.wait(0 if simulated else steady * MS, steady * MS)
     return world.core.tick(Moment(world.ros, world.steady, simulated)) is not None
 

@@ -24,9 +24,9 @@ pytestmark = [pytest.mark.slow, OVER_DDS]
 
 @cache
 def wild():
-    """Scenario, rows for the filter, and the answers of the graph, which is compiled.
+    """Scenario, rows for the filter, and the answers of the compiled graph.
 
-    Odometry is that of a base which loses a third of what is missing each period.
+    Odometry is that of a base that covers a third of the remaining difference each period.
     """
     scenario = load_scenario("paper-simulation", {**COMMON, **GOVERNOR})
     asked = np.random.default_rng(0).standard_cauchy((AT_REST + WILD, 2)) * scenario.limits.v_u1
@@ -43,7 +43,7 @@ def wild():
 
 @cache
 def behind():
-    """Rows for the drive, and the commands of the run that they are of."""
+    """Rows for the drive, and the commands of the same run."""
     period = float(GOVERNOR["clock.control"])
     run = carried_run({**COMMON, **GOVERNOR, "clock.duration": period * SAMPLES}, "kanayama")
     rows = [[*message, stamp] for message, stamp in messages(run, period)]

@@ -1,4 +1,4 @@
-"""Limits and free ways of the filter node as decisions of its core: edge cases, each by itself."""
+"""Limits and free distances of the filter node as decisions of its core: single edge cases."""
 
 import math
 from functools import cache
@@ -54,7 +54,7 @@ def test_no_way_ahead_is_a_stop_at_once(free, ahead):
 
 
 def test_a_way_that_is_no_number_is_not_told_and_the_others_are(free):
-    """The last one is carried on, less the way since then."""
+    """The last distance is used instead, less the distance driven since then."""
     free.ahead = 3.0
     free.go()
     free.ahead = math.nan
@@ -110,7 +110,7 @@ def test_a_stop_for_what_is_in_the_way_is_not_ramped():
 
 
 def test_the_base_stands_before_a_wall_and_backs_off(free):
-    """The free way ahead is exact for a base that follows its command immediately."""
+    """The free distance ahead is exact for a base that follows its command immediately."""
     free.ahead = 1.0
     for _ in range(300):
         free.ahead -= 0.05 * free.go(1)[0]
@@ -218,7 +218,7 @@ def test_limits_that_end_are_a_stop_with_a_flag_until_they_come_again(silent):
 
 @pytest.mark.parametrize("topic, goes_on", [("enable", False), ("speed", True)])
 def test_other_limits_that_were_told_once_must_go_on_but_a_speed_limit(silent, topic, goes_on):
-    """Which comes when it changes."""
+    """A speed limit is sent only when it changes."""
     silent.limit(topic, 1.0, 0.0)
     for _ in range(4):
         silent.limit("v_max", 0.5, 1.0)
@@ -238,7 +238,9 @@ def test_the_smaller_one_of_limit_and_way_counts(free):
 
 
 def in_a_passage(v, omega, ahead=0.05):
-    """A base between walls 40 mm beside it and another one ahead [m]; (sent, free) a step."""
+    """A base between walls 40 mm beside it and another one ahead [m]; (sent, free) for each
+    step.
+    """
     beside = RADIUS + 0.04
     room = walls((0.0, 1.0, beside), (0.0, -1.0, beside), (1.0, 0.0, RADIUS + ahead))
     world, x, steps = World(core_of("ways", scans=("scan",), radius=RADIUS)), 0.0, []
@@ -254,7 +256,7 @@ def in_a_passage(v, omega, ahead=0.05):
 
 
 def test_where_the_window_is_in_the_way_it_looks_straight_on():
-    """Back, between walls that a wide window counts as behind."""
+    """The base moves back between walls that a wide window would treat as behind it."""
     steps = in_a_passage(-0.4, 0.0)
 
     assert any(free[2] < 0.1 for _, free in steps)
@@ -270,7 +272,7 @@ def test_so_near_that_it_must_be_held_the_base_backs_off():
 
 
 def test_a_turn_that_is_in_the_way_is_left_out():
-    """To turn on the spot is refused, and to drive straight back is not."""
+    """Turning on the spot is refused, driving straight back is not."""
     straight = [omega for (_, omega), free in in_a_passage(-0.1, 0.9) if free[2] < 0.1]
 
     assert straight
@@ -278,7 +280,7 @@ def test_a_turn_that_is_in_the_way_is_left_out():
 
 
 def test_what_is_sent_is_the_gate_s_answer_to_what_is_told(free):
-    """Bit for bit, limits and age included."""
+    """Bit for bit, including limits and ages."""
     gate = Gate(preset("paper-simulation", STATED), AT_ONCE)
     free.ahead = 0.6
     for k in range(100):

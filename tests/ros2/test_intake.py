@@ -1,4 +1,4 @@
-"""Intake of messages: which are taken and which are refused."""
+"""Intake of messages: accepted and refused ones."""
 
 import math
 
@@ -43,7 +43,7 @@ def age(intake, steady):
     """),
 )
 def test_a_second_message_counts_or_is_told_why_not(intake, v, later, frame, clock, reason):
-    """One that is stamped so much later [ms], or not at all."""
+    """The second message has a stamp later by this time [ms], or none."""
     stamp = 0 if later == "none" else NOW + round(float(later) * MS)
     given = {"value": (0.1, float(v)), "stamp": stamp, "frame": frame.strip("-")}
     reason = reason.strip("-")

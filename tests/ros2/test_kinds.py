@@ -34,7 +34,7 @@ def JOBS():
 
 @pytest.mark.parametrize("node", ["Python", "C"])
 def test_commands_without_stamps_pass_and_end_with_their_sender(report, node):
-    """A controller that dies before the filter is a command that is missing."""
+    """If a controller dies before the filter, commands are reported missing."""
     found = report(f"twist, {node}")
 
     assert found["drives"]

@@ -1,4 +1,4 @@
-"""The layout for Foxglove, which nobody has seen in Foxglove: its form, panels, paths and fields.
+"""The layout for Foxglove (not tried in Foxglove): its form, panels, paths and fields.
 
 The form is that of Foxglove Studio's own type definitions (version 1, MPL 2.0), stated again here.
 """
@@ -59,7 +59,7 @@ def read(path):
 
 
 def test_plots_and_states_show_fields_of_messages_or_lines_at_limits():
-    """A state is one value a message, and of one node: two would take turns."""
+    """A state is one value a message, and of one node: two nodes would alternate."""
     (states,) = of_kind("StateTransitions")
     plots = [path for panel in of_kind("Plot") for path in panel["paths"]]
     assert len(plots) == 10

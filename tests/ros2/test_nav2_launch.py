@@ -1,4 +1,4 @@
-"""Launch file for nav2's whole order: the names in it, and our node as it starts it, over DDS."""
+"""Launch file for nav2's whole chain: its names, and our node as it starts it, over DDS."""
 
 import xml.etree.ElementTree as ElementTree
 

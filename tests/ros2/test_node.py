@@ -1,4 +1,4 @@
-"""The node over real DDS, in an environment of its own made from wheels; elsewhere NOT RUN."""
+"""The node over real DDS, in a separate environment made from wheels; elsewhere NOT RUN."""
 
 import subprocess
 import sys
@@ -110,7 +110,9 @@ def test_who_is_interrupted_sends_a_last_zero(seen, live, way):
 
 
 def test_an_interrupt_at_a_bad_moment_ends_it_with_a_last_zero(report):
-    """Moments: in a destructor, which drops it; twice; in a long call; in a transition; last."""
+    """Moments: in a destructor, which drops it; twice; in a long call; in a transition; at the
+    end.
+    """
     found = {name: item for name, item in report("interrupted").items() if "Broken" not in name}
 
     assert found.pop("AtConfigure") == [0, 0]  # nothing was sent, nor looked around to the end
@@ -197,7 +199,7 @@ def test_without_ros_a_sentence_says_so():
     ],
 )
 def test_who_makes_it_useless_is_a_sentence_at_configure(report, node, other, said):
-    """Commands or odometry of another type, a second publisher, and a stop that is not heard."""
+    """Commands or odometry of another type, a second publisher, and a stop that is not received."""
     code, cried = report(f"useless, {node}")[other]
 
     assert code == 2

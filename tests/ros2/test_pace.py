@@ -22,7 +22,7 @@ def grid(rate=1.0, count=COUNT):
 
 
 def late(seed, largest, count=COUNT):
-    """How late a busy machine sends: mostly little, sometimes by up to ``largest`` periods."""
+    """Lateness of a busy machine: mostly small, sometimes up to ``largest`` periods."""
     draws = np.random.default_rng(seed).exponential(0.15 * largest, count)
     return TICK * np.minimum(draws, largest)
 
@@ -53,7 +53,7 @@ def test_the_laws_mean_period_is_the_one_it_was_made_for(rate, share):
 
 
 def test_a_burst_is_one_sample_and_a_gap_is_not_made_up_for():
-    """A sender at four times the rate stands still for five periods, then sends all at once."""
+    """A sender at four times the rate pauses for five periods, then sends all messages together."""
     stamps = grid(4.0, 400)
     stood = (stamps > 50 * TICK) & (stamps < 55 * TICK)
     stamps[stood] = 55 * TICK - np.arange(stood.sum(), 0, -1) * 1000
@@ -94,7 +94,7 @@ def answered(world, intervals, delays=None):
 
 @pytest.mark.parametrize("rate", [0.997, 1.0, 1.003])
 def test_a_drive_answers_each_message_and_stays_on_time(world, rate):
-    """Stamps have jitter, and so have, independently, the times on the way."""
+    """Stamps have jitter, and so, independently, do the transport times."""
     stamps = np.round(grid(rate) + late(1, 0.8)).astype(np.int64)
     start = world.ros
 

@@ -1,4 +1,4 @@
-"""The how-to pages: nodes start as they are started there, with the files that stand there."""
+"""The how-to pages: nodes start with the commands and files on the pages."""
 
 import re
 import shlex
@@ -13,7 +13,9 @@ pytestmark = [pytest.mark.slow, OVER_DDS]
 
 
 def given():
-    """Files of both pages, and the words of their commands; behind nav2 the filter's, too."""
+    """Files of both pages, and the words of their commands; behind nav2 those of the filter,
+    too.
+    """
     files, commands = {}, []
     for name in ("ros2.md", "drive_base.md"):
         page = Page(DOCS / "howto" / name)

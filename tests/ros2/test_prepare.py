@@ -1,4 +1,4 @@
-"""``python -m wmr_ctrl.ros2 prepare``, and what refusals say; no ROS 2 is needed."""
+"""``python -m wmr_ctrl.ros2 prepare``, and the texts of refusals; no ROS 2 is needed."""
 
 import logging
 

@@ -1,4 +1,4 @@
-"""Parameters and words of ROS that a node cannot take: exit code 2 and a sentence."""
+"""Parameters and ROS arguments that a node refuses: exit code 2 and a sentence."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Free ways that the filter node finds in scans, by its core in C."""
+"""Free distances that the filter node finds in scans, by its core in C."""
 
 import math
 from dataclasses import replace
@@ -54,7 +54,7 @@ def core_of(*lasers, **settings):
 
 
 def free_of(core, *lasers, seen=OPEN, command=(0.0, 0.0)):
-    """Free ways [m] of a step after one scan by each laser."""
+    """Free distances [m] of a step after one scan by each laser."""
     core.start()
     for k, laser in enumerate(lasers):
         assert core.scan(k, laser.numbers, laser.scan(seen), STANDS.ros, STANDS) == ""
@@ -64,7 +64,7 @@ def free_of(core, *lasers, seen=OPEN, command=(0.0, 0.0)):
 
 
 def only(distance, at, width=DEGREE / 2):
-    """One thing, at an angle, within a width on either side."""
+    """Scan with a single object, at an angle, within a width on either side."""
     return lambda x, y, angle: (
         distance if abs(math.remainder(angle - at, math.tau)) <= width else FAR
     )
@@ -80,7 +80,7 @@ def points_of(laser, ranges):
 
 
 def nearest_way(points, window, sense):
-    """Least way to points by the graph itself."""
+    """Least distance to points by the graph itself."""
     place, sides, radius = ca.SX.sym("place", 2), ca.SX.sym("sides", 2), ca.SX.sym("radius")
     way = way_to_point((place[0], place[1]), (sides[0], sides[1]), radius, sense)
     graph = ca.Function("way", [place, sides, radius], [way])
@@ -128,7 +128,7 @@ def test_below_the_least_range_is_0_m(near, no_return):
 
 
 def test_a_beam_across_the_window_blocks_neither_side_unless_something_is_there():
-    """At a right angle, farther than the disc."""
+    """The beam is at a right angle and longer than the disc's radius."""
     assert min(free_of(core_of(RPLIDAR), RPLIDAR, seen=only(0.3, math.pi / 2))[:2]) > 5
 
 
@@ -143,7 +143,7 @@ def test_window_is_wider_where_the_command_turns_to_and_never_a_quarter(omega, s
 
 
 def test_any_heading_is_free_where_nothing_is_nearer_than_a_stop_takes():
-    """Then a step that is late closes no window."""
+    """Then a late step closes no window."""
     core = core_of(RPLIDAR)
     near, far = (free_of(core, RPLIDAR, seen=walls((1.0, 0.0, c))) for c in (0.35, 0.6))
 
@@ -153,7 +153,9 @@ def test_any_heading_is_free_where_nothing_is_nearer_than_a_stop_takes():
 
 
 def test_a_laser_never_lets_the_base_where_it_does_not_see():
-    """A view of half a turn allows neither way: an edge of a turning disc leaves the view."""
+    """A view of half a turn allows neither direction, since an edge of a turning disc leaves the
+    view.
+    """
     core, half = core_of(WIDE), replace(RPLIDAR, first=-math.pi / 2, beams=181)
     ahead, behind, *_ = free_of(core, WIDE)
 
@@ -177,7 +179,7 @@ def test_two_lasers_at_opposite_corners_see_all():
 
 
 def test_an_own_part_is_in_the_way_unless_its_angles_are_ignored():
-    """A pole 0.15 m behind the laser, within the disc."""
+    """A pole is 0.15 m behind the laser, within the disc."""
     pole = only(0.16, math.pi, width=0.1)
     seeing, ignoring = core_of(RPLIDAR), core_of(RPLIDAR, ignore=(3.0, 3.3))
 

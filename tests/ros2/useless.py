@@ -1,7 +1,7 @@
-"""Others who make the filter useless, each in a namespace; run by a Python that has rclpy.
+"""Other nodes that make the filter useless, each in a namespace; run by a Python that has rclpy.
 
-``python useless.py SCENARIO [NODE]`` starts the filter (that in Python, or the program NODE) in the
-namespace of each, lets it look for long, and prints its exit code and what it wrote, as JSON.
+``python useless.py SCENARIO [NODE]`` starts the filter (in Python, or the program NODE) in the
+namespace of each, waits long enough for discovery, and prints its exit code and output, as JSON.
 """
 
 import subprocess

@@ -6,7 +6,7 @@ MS = 1_000_000
 
 
 class Clocked:
-    """A core that starts anew at a moment, and what happened to its clocks."""
+    """A core that restarts at a moment, and the time faults that it reported."""
 
     def __init__(self, core, ros=10**15, simulated=False):
         self.core, self.ros, self.steady, self.simulated = core, ros, 7 * 10**9, simulated
@@ -28,9 +28,10 @@ class Clocked:
 
 
 class World(Clocked):
-    """The filter with a sender of commands, and of free ways where there is a way ``ahead`` [m].
+    """The filter with a sender of commands, and of free distances if there is a distance ``ahead``
+    [m].
 
-    Limits, which otherwise stay in force over a start, are forgotten.
+    Limits, which otherwise stay in force after a restart, are forgotten.
     """
 
     def __init__(self, core, ahead=None, **how):
@@ -40,7 +41,7 @@ class World(Clocked):
             core._core.limited[topic] = 0
 
     def go(self, count=40, v=0.5, omega=0.0, *, sends=True, stamped=True, passes=True, periods=1):
-        """Speeds that are sent at ticks, after a command and free ways before each."""
+        """Speeds sent at ticks, after a command and free distances before each."""
         speeds, time = [], round(periods * self.core.period * 1e9)
         for _ in range(count):
             self.wait(time if passes else 0, time)

@@ -1,4 +1,4 @@
-"""A graphics processor for tests: the same text as C++, a robot after the other."""
+"""A graphics processor for tests: the same text compiled as C++, one robot after the other."""
 
 import ctypes as ct
 import hashlib
@@ -36,7 +36,7 @@ COMMAND = (str(COMPILER), *FLAGS)
 
 
 class Stand:
-    """Stands for a graphics processor that holds ``most`` robots."""
+    """Stand-in for a graphics processor that holds ``most`` robots."""
 
     def __init__(self, folder, most=64, memory=2**30):
         self.folder, self.most, self.memory = folder, most, memory

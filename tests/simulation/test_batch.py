@@ -25,7 +25,7 @@ changes = [{t = 3.0, m = 65.0, I = 7.0, mu = 0.15}]
 
 
 def tasks_of(law, count, *told):
-    """Tasks of so many seeds on the paper's simulation."""
+    """Tasks with ``count`` seeds on the paper's simulation."""
     loop = runnable(preset("paper-simulation", SHORT, *told), law)
     return [Task(loop, seed) for seed in range(count)]
 
@@ -36,7 +36,7 @@ def same_values(one, other):
 
 
 def test_a_run_that_ended_counts_no_further_while_others_go_on():
-    """The guard acts in all samples of a push that throws the robot out, and hardly in others."""
+    """The guard acts in all samples of a push that carries the robot out, and hardly in others."""
     guard = "guard.enabled = true; guard.trust = true; guard.dbar = [70.0, 15.0]"
     pushes = "disturbance.push = [1e6, 1.0]", "disturbance.push = [1.0, 1.0]"
     tasks = [task for push in pushes for task in tasks_of("pid", 1, guard, push)]
@@ -50,7 +50,7 @@ def test_a_run_that_ended_counts_no_further_while_others_go_on():
 
 @pytest.mark.slow
 def test_order_jobs_and_company_do_not_matter():
-    """A lane's neighbours, those that diverge among them, leave it alone."""
+    """Neighbours of a lane, even diverging ones, do not affect it."""
     wild, tame = tasks_of("pid", 2, "gains.pid.Kp = [2e4, 2e3]"), tasks_of("pid", 9)
     alone, mixed = run_tasks(tame, jobs=1), run_tasks([wild[0], *tame, wild[1]], jobs=4)
 

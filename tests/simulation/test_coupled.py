@@ -1,4 +1,4 @@
-"""The loop without its plant: what its monitor makes of any state, and that a start is a start."""
+"""The loop without its plant: its monitor for any state, and its restart."""
 
 import math
 
@@ -47,9 +47,9 @@ def columns_of(loop):
     """),
 )
 def test_the_monitor_takes_each_state_for_what_it_is(loop, given, most, violated, stop):
-    """Speeds, the largest of each axis, the axis beyond its limit, and what ends the run.
+    """Speeds, the largest of each axis, the axis beyond its limit, and the cause of the end.
 
-    At plant step 7: what is no number counts neither as fastest nor as beyond a limit.
+    At plant step 7, NaN counts neither as fastest nor as beyond a limit.
     """
     one, time = coupled(loop), 7 * loop.scenario.clock.plant
     ends = one.ends((0.0, 0.0, 0.0, *map(float, given.split())), 7)
@@ -66,7 +66,7 @@ def test_the_monitor_takes_each_state_for_what_it_is(loop, given, most, violated
 
 
 def test_a_torque_comes_near_its_command_as_fast_as_its_lag_of_this_sample():
-    """A lag that varies stays the same within a sample, and another sample has another."""
+    """A varying lag is constant within a sample and differs between samples."""
     slow, h, wanted = 0.02, 0.001, 3.0
     varying = loop_with(f"actuator.lag = {slow}; actuator.lag_spread = 0.5")
     one, columns = coupled(varying), columns_of(varying)
@@ -85,7 +85,7 @@ def test_a_torque_comes_near_its_command_as_fast_as_its_lag_of_this_sample():
 
 
 def test_a_loop_that_starts_again_has_nothing_under_way(loop):
-    """And draws the same numbers, and has seen nothing.  What is watched moves no counter."""
+    """It draws the same numbers, and has no history.  The monitor moves no counter."""
     one, state = coupled(loop), (0.1, 0.2, 0.3, 0.4, 0.5)
     columns = columns_of(loop)
 

@@ -1,7 +1,7 @@
 """Many runs on a graphics processor: its text, run here by a stand-in, has the bits of lanes.
 
-The stand-in compiles the same text as C++ and runs one robot after the other; the last test runs
-CUDA where there is a device.
+The stand-in compiles the same text as C++ and runs one robot after the other.  The last test runs
+CUDA if there is a device.
 """
 
 import ctypes as ct
@@ -50,7 +50,7 @@ def assert_same(some, others):
 
 @pytest.mark.slow
 def test_figures_and_columns_are_those_of_lanes(stand):
-    """The runs have encoders, delay, disturbances, and a change of the robot on the way."""
+    """The runs have encoders, delay, disturbances, and a change of the robot."""
     asked = ("robot-10ms", "prox", range(5))
     cpu, there = (simulate_many(*asked, SHORT, device=name) for name in ("cpu", "gpu"))
     assert_same(cpu, there)

@@ -26,12 +26,12 @@ class NoGains(Section, key="gains.toy"):
 
 
 def blind(sample):
-    """A thrust that is no number any more above 0.05 m/s."""
+    """A thrust that becomes NaN above 0.05 m/s."""
     return sample.system("toy law", ca.vertcat(100 + ca.sqrt(0.05 - sample.v[0]), 0))
 
 
 def spin(sample):
-    """No thrust, and a moment that turns half a kg m2 faster than doubles can say."""
+    """No thrust, and a moment that accelerates half a kg m2 beyond the range of doubles."""
     return sample.system("toy law", ca.vertcat(0, 2e307))
 
 

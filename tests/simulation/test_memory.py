@@ -1,4 +1,4 @@
-"""Memory of a batch: aligned, keyed, and of a library that can be loaded."""
+"""Memory of a batch: alignment, key of the noise, and a library that can be loaded."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The Run that is made of an engine's results."""
+"""The Run from an engine's results."""
 
 import numpy as np
 

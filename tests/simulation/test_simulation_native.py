@@ -1,4 +1,4 @@
-"""The compiled loop against the oracle and against what must hold in any loop."""
+"""The compiled loop against the oracle and against properties of any loop."""
 
 import itertools
 import re
@@ -86,7 +86,7 @@ def test_truncated_noise_is_drawn_again_if_either_number_is_beyond():
 
 
 def test_noise_that_is_never_within_its_bound_is_clipped():
-    """Noise is clipped on either side; one pair in a million lies within a thousandth."""
+    """Noise is clipped on either side; one pair in a million is within a thousandth."""
     rare = {"clock.duration": 1.0, "disturbance.truncate": 1e-3}
     run = simulate("paper-simulation", "mb", overrides=rare)
     drawn = run["noise_right"], run["noise_left"]
@@ -146,6 +146,6 @@ def test_a_compiled_law_refuses_what_no_robot_has_and_goes_on_as_before(law):
     ],
 )
 def test_an_option_of_another_kind_is_refused_by_name(error, message, call):
-    """Python allows any value anywhere; each is answered as a wrong one in a file is."""
+    """Python allows any value anywhere; each is refused as a wrong one in a file is."""
     with pytest.raises(error, match=f"(?i){message}"):
         call()

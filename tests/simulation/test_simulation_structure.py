@@ -1,4 +1,4 @@
-"""Scenarios of one structure share graphs and C: whatever differs in numbers alone."""
+"""Scenarios of one structure, which differ only in numbers, share graphs and C."""
 
 import dataclasses
 
@@ -61,7 +61,7 @@ def _larger(old, most):
     cases("mb | everything on\nprox | plain\nnn | everything on | slow\nkanayama | plain | slow"),
 )
 def test_numbers_are_no_part_of_the_structure(law, base):
-    """The graphs' text is the same, and the numbers by key are those of a graph built anew."""
+    """The graphs' text is the same, and the numbers by key are those of a newly built graph."""
     first = preset("paper-simulation", BASES[base])
     one, other = settle(first, law), settle(nudged(first, law), law)
     texts = [Program(item, structure_of(item)).generated for item in (one, other)]
@@ -88,7 +88,7 @@ def test_numbers_are_no_part_of_the_structure(law, base):
     """),
 )
 def test_what_changes_the_graphs_changes_the_structure(one, other):
-    """Drives, guard and its map, kinds, and how many samples an effect remembers."""
+    """Drives, guard and its map, kinds, and the number of samples that an effect stores."""
     seeing = "encoder.counts = 512; sensor.pose_period = 0.05"
     first, second = (preset("paper-simulation", seeing, told) for told in (one, other))
 

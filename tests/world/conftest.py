@@ -9,6 +9,6 @@ from wmr_ctrl.world.registry import EFFECTS
 
 @pytest.fixture
 def toy_world(monkeypatch):
-    """The toys stand in both registries."""
+    """Both registries with the toys."""
     monkeypatch.setitem(EFFECTS.__dict__, "plugins", toys.EFFECTS)
     monkeypatch.setitem(REFERENCES.__dict__, "plugins", (toys.CLOTHOID,))

@@ -1,4 +1,4 @@
-"""Effects whose numbers matter, their scenarios, and a motion to feed their Systems with."""
+"""Effects whose numbers matter, their scenarios, and a motion as input for their Systems."""
 
 import casadi as ca
 import numpy as np
@@ -46,7 +46,7 @@ def scenario(stated):
 
 
 def motion(count=400, late=0):
-    """Columns (N,) or (N, 2) of a motion that wanders with its way, torques and random numbers.
+    """Columns (N,) or (N, 2) of a wandering motion: path length, torques and random numbers.
 
     Torques of up to 10 N m are behind a constant delay of ``late`` rows.
     """
@@ -65,7 +65,7 @@ def motion(count=400, late=0):
 
 
 def fed(system, columns):
-    """Outputs of a System, one row for each of the columns."""
+    """Outputs of a System, one row for each row of the columns."""
     graph = system.function("fed", [ca.densify(system.update), ca.densify(system.y)])
     x, shown = system.x0, []
     inputs = [item.signal.name for item in system.inputs]

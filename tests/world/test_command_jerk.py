@@ -23,7 +23,7 @@ def test_a_jerk_limit_bends_the_command_so_much_and_reaches_it_without_passing()
 
 @pytest.mark.parametrize("more", [{}, {"accel": [0.8, 5.0]}])
 def test_the_command_stays_between_all_commands_so_far(more):
-    """The hypothesis of the clip, which asks nothing else of a stage of the base."""
+    """This is the clip's only hypothesis on a stage of the base."""
     rng = np.random.default_rng(0)
     held = np.repeat(rng.uniform(-1, 1, (60, 2)), rng.integers(1, 150, 60), axis=0)
     found, so_far = acting(based(**JERKY, **more), held), np.vstack((np.zeros((1, 2)), held))

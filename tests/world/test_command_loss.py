@@ -1,4 +1,4 @@
-"""Lost commands, and a base that stops when it hears none."""
+"""Lost commands, and a base that stops if it receives none."""
 
 import numpy as np
 import pytest

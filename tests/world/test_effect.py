@@ -1,4 +1,4 @@
-"""The effects of this package, everywhere alike: in engines, lanes, co-simulation and refusals."""
+"""Each effect of this package acts alike in engines, lanes, co-simulation and refusals."""
 
 import casadi as ca
 import numpy as np

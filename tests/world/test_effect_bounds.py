@@ -1,4 +1,4 @@
-"""Bounds stated by effects, against numbers by hand; the ledger shows that motions keep them."""
+"""Bounds stated by effects, against numbers by hand; the ledger proves that motions keep them."""
 
 import math
 
@@ -63,7 +63,7 @@ def test_encoder_bounds_equal_numbers_by_hand(text, nbar):
 
 @pytest.mark.parametrize("plant", [0.001, 0.002, 0.005])
 def test_a_delay_is_as_many_plant_steps_as_its_decimals_say(plant):
-    """Also where the quotient of the doubles is just below that number, such as 0.043/0.001."""
+    """Also if the quotient of the doubles is just below that number, such as 0.043/0.001."""
     steps = [29, 43, 51, 57, 58, 59, 71, 86]
     found = []
     for k in steps:

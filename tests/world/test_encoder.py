@@ -37,13 +37,13 @@ def test_less_than_one_count_is_nearest_to_one():
 
 
 def by_time(way):
-    """(v1, omega) shown by the time between counts, while the way (N,) [m] grows so."""
+    """(v1, omega) from the time between counts, for a growing path length (N,) [m]."""
     columns = motion(len(way)) | {"path": way, "theta": 0 * way}
     return fed_to(ENCODER, {"encoder.counts": 1024, "encoder.method": "time"}, columns)
 
 
 def test_the_time_between_counts_shows_a_steady_speed_to_rounding():
-    """Forwards, backwards, and so slow that a count takes many samples."""
+    """Forwards, backwards, and so slowly that a count takes many samples."""
     for speed in (0.5, -0.3, 0.004):
         shown = by_time(0.01 * speed * np.arange(400))
 

@@ -1,4 +1,4 @@
-"""The memory of samples before."""
+"""The memory of past samples."""
 
 import casadi as ca
 

@@ -1,4 +1,4 @@
-"""The pose sensor: dead reckoning, corrected by what comes."""
+"""The pose sensor: dead reckoning, corrected by each new pose."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The registry of effects keeps its promise: a file and a line, and it acts, or is refused."""
+"""The registry's promise: an effect is a file and a line, and it acts or is refused."""
 
 import numpy as np
 import pytest
@@ -111,7 +111,7 @@ def test_its_table_is_read_checked_and_written():
 
 
 def test_a_stream_depends_on_its_name_alone():
-    """An effect more does not move the others' random numbers."""
+    """An additional effect does not change the others' random numbers."""
     plain = simulate("paper-simulation", LAW, seed=3, overrides=SHORT)
     more = simulate("paper-simulation", LAW, seed=3, overrides={**SHORT, "toy_gyro.walk": 0.001})
 

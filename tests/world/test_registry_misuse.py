@@ -1,4 +1,4 @@
-"""Effects and references of other packages that are wrong: an error that names them, or no harm."""
+"""Invalid effects and references of other packages: an error that names them, or no harm."""
 
 from __future__ import annotations
 

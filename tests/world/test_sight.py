@@ -1,4 +1,4 @@
-"""Free ways ahead and behind against a sweep of many headings over many points of a wall."""
+"""Free distances ahead and behind against a sweep of many headings over many points of a wall."""
 
 import casadi as ca
 import numpy as np
@@ -11,7 +11,7 @@ PLACES, HEADINGS = np.linspace(0, 1, 1501)[:, None], 301
 
 
 def swept(points, window, radius, sense):
-    """Least way along any heading of the window before the disc covers one of the points."""
+    """Least distance along any heading of the window before the disc covers one of the points."""
     ways = [np.inf]
     for heading in np.linspace(-window[1], window[0], HEADINGS):
         along = sense * np.array([np.cos(heading), np.sin(heading)])

@@ -1,4 +1,4 @@
-"""A plane that rises."""
+"""An inclined plane."""
 
 import numpy as np
 import pytest

@@ -13,7 +13,7 @@ from wmr_ctrl.world.speed_loop_pi import PI
     [(1e6, True, [30.0, 7.5]), (1.0, False, [30.0, 7.5]), (1.0, True, [0.0, 0.0])],
 )
 def test_the_integral_rests_where_the_wheels_miss_what_it_would_add(most, antiwindup, rate):
-    """An error of 0.1 m/s and 0.4 rad/s, whose moment is l^2 = 1/16 as much."""
+    """An error of 0.1 m/s and 0.4 rad/s; the latter's moment has the factor l^2 = 1/16."""
     gains = {"loop": "pi", "kp": 150.0, "ki": 300.0, "antiwindup": antiwindup}
     base = override(based(**gains), {"actuator.tau_max": most})
 

@@ -1,4 +1,4 @@
-"""Standstill control: a base without commands stands, whatever pushes, until another one comes."""
+"""Standstill control: a base without commands stands under any push, until a command comes."""
 
 import casadi as ca
 import numpy as np

@@ -1,4 +1,4 @@
-"""Torque noise, and what bounds it."""
+"""Torque noise and its bounds."""
 
 import math
 

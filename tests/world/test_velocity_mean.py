@@ -24,7 +24,7 @@ def test_a_mean_or_a_late_velocity_is_of_the_samples_before(window):
 
 
 def test_a_mean_is_off_by_the_rounding_of_the_way_and_what_is_late_by_nothing():
-    """2^-53 of u1 times the duration in each step, and as much for the difference."""
+    """The error is 2^-53 of u1 times the duration in each step, and as much for the difference."""
     scenario = override(paper(), {"sensor.velocity_window": 0.02, "sensor.velocity_age": 0.01})
     late = override(paper(), {"sensor.velocity_age": 0.01})
     share = 2 * 2.0**-53 * scenario.clock.duration / 0.001

@@ -1,4 +1,4 @@
-"""Wheels of another size than believed."""
+"""Wheels that differ from the believed ones."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from wmr_ctrl.world.wheels import WHEELS
 
 
 def test_wheels_turn_torque_into_force_as_their_size_says():
-    """The torque at believed wheels that makes the true forces and moments."""
+    """The result is the torque at believed wheels that causes the true forces and moments."""
     columns = motion(100)
     right, left = (columns["torque"] / (0.1 * (1 + np.array([0.02, -0.01])))).T
     thrust, moment = right + left, 0.25 * 1.02 * (right - left)

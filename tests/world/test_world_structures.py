@@ -1,4 +1,4 @@
-"""One robot and lanes of robots leave the same bits, whatever their loop is made of."""
+"""One robot and lanes of robots give the same bits, for any parts of the loop."""
 
 import random
 
@@ -23,7 +23,9 @@ EFFECTS = [*TOYS.values(), *(OURS[name] for name in PARTS)]
 
 
 def structure(number):
-    """Return a law and changes drawn for it: effects, guard, and each kind of reference in turn."""
+    """Return a law and random changes for it: effects, guard, and each kind of reference in
+    turn.
+    """
     kinds = [*REFERENCES]
     kind = kinds[number % len(kinds)]
     changes = {**BASE, **(PATH if kind == "waypoints" else {})}
@@ -34,7 +36,7 @@ def structure(number):
 
 
 def bits(tasks):
-    """All that the runs of a batch leave, with their log."""
+    """All results of a batch's runs, with their log."""
     memory = laid_out(tasks, [], log=True)
     memory.run()
     return [

@@ -1,6 +1,7 @@
 """Toy effects and a toy reference, as another package would write them: one of every kind.
 
-Each is a section, a graph, and what the guard may count on.  `docs/extending.md` shows them.
+Each is a section, a graph, and the bound that the guard may rely on.  `docs/extending.md` shows
+them.
 """
 
 from __future__ import annotations
@@ -86,7 +87,7 @@ class ToyRamp(Section, key="toy_ramp"):
 
 
 def ramp(scenario):
-    """Torque that moves towards what arrives by at most rate h in a plant step."""
+    """Torque that approaches the arriving one by at most rate h in a plant step."""
     torque, p = ports(TORQUE), Parameters(scenario)
     old = port(Signal("toy_torque", "N.m", "torque of the previous plant step", 2))
     most = p.take("toy_ramp.rate") * p.take("clock.plant")
@@ -117,7 +118,7 @@ class ToySlope(Section, key="toy_slope"):
 
 
 def slope(scenario):
-    """Gravity along the heading, -m g sin(angle) times the share of it that points uphill."""
+    """Gravity along the heading, -m g sin(angle) times the cosine of the heading from uphill."""
     theta, p = port(THETA), Parameters(scenario)
     pull = p.take("robot.m") * p.take("robot.g") * ca.sin(p.take("toy_slope.angle"))
     return System(
@@ -130,7 +131,7 @@ def slope(scenario):
 
 
 def slope_bound(scenario):
-    """The heaviest robot straight downhill."""
+    """Pull on the heaviest robot straight downhill."""
     heaviest = max((scenario.robot.m, *(c.m for c in scenario.changes if c.m)))
     pull = heaviest * scenario.robot.g * math.sin(scenario.section(ToySlope).angle)
     return Bound(dbar=(pull, 0.0))
@@ -179,7 +180,7 @@ GUST = Effect(
 
 
 class ToyClothoid(Reference):
-    """A curve whose curvature grows with the way."""
+    """A curve whose curvature grows with the path length."""
 
     speed: float = quantity(0.3, unit="m/s", doc="speed", above=0)
     growth: float = quantity(0.2, unit="1/m2", doc="growth of the curvature over the way")

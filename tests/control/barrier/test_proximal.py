@@ -36,7 +36,7 @@ def x_of(c, axis):
 @every_axis
 @pytest.mark.slow_but("axis0", "axis5")
 def test_w_falls_and_the_limit_is_kept_from_every_speed(axis):
-    """|w+| <= E (|w| + |c+ - c_m|) and |v+| <= v_u1; v* = v where the target is held."""
+    """|w+| <= E (|w| + |c+ - c_m|) and |v+| <= v_u1; v* = v for a constant target."""
     count, u1 = 20_000, axis[0]
     draw = np.random.default_rng(6)
     speed = draw.normal(size=count) * 10 ** draw.uniform(-3, 2, count)

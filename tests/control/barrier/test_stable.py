@@ -16,7 +16,7 @@ LIMITS = ((1.0, 0.8), (1.5, 1.3), (0.7, 0.1), (3.0, 1.2), (1.0, 0.99))
 
 
 def _functions():
-    """V1/A, q, v_c1, V1; and the slopes of the first two by c and v."""
+    """V1/A, q, v_c1, V1; and the derivatives of the first two by c and v."""
     given = c, v, *_ = [ca.SX.sym(name) for name in ("c", "v", "u1", "u2")]
     found = stable_barrier(*given)
     pair = found.V1_over_A, found.q
@@ -57,7 +57,7 @@ def close(found, wanted):
 def points(u1, u2, count, off=0.0):
     """(c, v) over all regions, both signs, both sides of every boundary down to one ulp.
 
-    ``off``: no closer than this to where q jumps.
+    ``off``: least distance from the jumps of q.
     """
     draw = random.Random(f"{u1} {u2}")
     edge = u2 + 1 / (u1 - u2)

@@ -64,7 +64,7 @@ def test_agrees_with_its_definition_in_60_digits():
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_what_stands_beside_a_logarithm_is_right_to_the_last_digits(sign):
-    """(-ln(1 - y) - y)/y, by series up to where the logarithm loses no more than a digit or two."""
+    """(-ln(1 - y) - y)/y, by series where the logarithm would lose more than a digit or two."""
     y = ca.SX.sym("y")
     found = ca.Function("chi", [y], [_chi(y, 1 - y)])
     for size, digits in ((1e-9, 15.4), (0.01, 15.4), (0.99, 15.4), (1.01, 13.5)):

@@ -30,7 +30,9 @@ def test_it_remembers_nothing_and_sends_within_its_limits():
 
 
 def test_commands_both_ways_keep_both_rooms_and_the_worst_loop_uses_one_up():
-    """P a + Q b at most the room of a's way: P and Q a loop's swings forth and back."""
+    """P a + Q b is at most the room in a's direction, with P and Q a loop's forward and backward
+    swings.
+    """
     N, least, most, own, other = symbols = [ca.SX.sym(name) for name in "NlmUD"]
     ends = [swung(N, least, most, *rooms) for rooms in ((own, other), (other, own))]
     clip = ca.Function("clip", symbols, ends)

@@ -33,7 +33,7 @@ FUNCTIONS = {
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_numpys_functions_are_as_exact_as_the_enclosures_count_on(name):
-    """At numbers of every size: eight units in the last place are counted, far fewer seen."""
+    """For numbers of every size: eight units in the last place are assumed, far fewer occur."""
     numpy, ball, low, high = FUNCTIONS[name]
     rng = np.random.default_rng(0)
     values = rng.uniform(low, high, 4000)

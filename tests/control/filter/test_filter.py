@@ -192,7 +192,7 @@ def test_what_cannot_be_met_is_refused_with_its_key(stated, words):
 
 @pytest.mark.parametrize("through", [copy.deepcopy, lambda item: pickle.loads(pickle.dumps(item))])
 def test_a_copy_goes_on_where_the_filter_stands(through):
-    """Such as one that is sent to another process."""
+    """For example a copy that is sent to another process."""
     own = wmr_ctrl.command_filter(scenario("governor", delay=(0.0, 0.03)))
     own.step((5.0, 1.0), measured=(0.3, 0.1))
     other = through(own)

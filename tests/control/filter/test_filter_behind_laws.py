@@ -36,9 +36,9 @@ def scenario(**changes):
 
 
 def held_back(law, told):
-    """Memory and wish of a law, sample by sample, while the base stands still far from the path.
+    """Memory and request of a law, sample by sample, while the base stands still far from the path.
 
-    ``told(asked)`` is what it is told was sent of it.
+    ``told(asked)`` is the command that the law is told was sent.
     """
     system = unfiltered_controller(settle(scenario(), law))
     step = system.function("step", [system.update, system.y])
@@ -64,7 +64,7 @@ def test_a_law_that_is_held_back_stays_as_it_is(law):
 )
 @pytest.mark.slow_but("pursuit-governor")
 def test_from_far_away_it_comes_to_the_path_and_stays(law, kind):
-    """The filter acts for seconds; then no law has more to undo than the way that is left."""
+    """The filter acts for seconds; then no law has wound up."""
     far = {"initial__pose": [-6.0, -6.0, 2.5], "filter__kind": kind}
     run = wmr_ctrl.simulate(scenario(**far), law)
     away = np.hypot(run["e"][:, 0], run["e"][:, 1])

@@ -26,7 +26,7 @@ def written(name, float32):
 
 
 def shown(platform, name, folder, float32=False):
-    """Digest of all that the filter sends and remembers."""
+    """Digest of all that the filter sends and stores."""
     runner = check_tools(platform)
     for file, text in written(name, float32).items():
         (folder / file).write_text(text, encoding="utf-8")

@@ -150,7 +150,7 @@ CUTTER = changes("""
 
 
 def assert_refused(scenario, table):
-    """Assert that each change of a scenario is refused in such words."""
+    """Assert that each change of a scenario is refused with these words."""
     for text, words in (case.values for case in cases(table)):
         with pytest.raises(ScenarioError, match=words):
             settle(override(scenario, changes(text)), "kanayama")

@@ -1,4 +1,4 @@
-"""The command filter in C: its package passes its own check and says what the graph says."""
+"""The command filter in C: its package passes its own check and agrees with the graph."""
 
 import math
 import re
@@ -232,7 +232,7 @@ def assert_shown(words, made, float32):
 )
 @pytest.mark.slow_but("clip-False", "governor-True")
 def test_untimely_calls_are_what_the_graph_says(name, float32, tmp_path):
-    """A clock's readings come from whole nanoseconds, to the bit of a double."""
+    """A clock's readings are whole nanoseconds, converted to the nearest double."""
     key = "band of 50 commands" if name == "band" else name
     stated = {**FILTERS[key], "clock.control": 0.05}
     stated |= {"filter.jitter": 1e-6} if name != "clip of slow commands" else {}
@@ -287,7 +287,7 @@ WITHOUT_EFFECT = {
 )
 @pytest.mark.slow_but("clip-False", "wheels beside-False")
 def test_each_parameter_that_is_no_number_is_noticed_in_any_step(name, float32, tmp_path):
-    """(0, 0) is sent with the flag "unsound"; a band goes on with that until it is started."""
+    """(0, 0) is sent with the flag "unsound"; a band continues to do so until it is restarted."""
     settings = load_scenario("paper-simulation", {**FILTERS, **WHEELS}[name])
     lines = built(EACH, tmp_path, settings, float32=float32)
     params = command_filter(settings).system.params
@@ -334,7 +334,7 @@ def test_misuse_gives_a_safe_command_and_its_flag(name, float32, tmp_path):
 
 
 def test_a_parameter_that_changes_counts_from_the_next_step_on(tmp_path):
-    """Values that the memory keeps of parameters are made anew."""
+    """Stored values that depend on parameters are recomputed."""
     sent = [float(line) for line in built(CHANGED, tmp_path, scenario())]
 
     system = command_filter(scenario()).system

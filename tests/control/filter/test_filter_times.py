@@ -1,4 +1,4 @@
-"""Steps that come late, early, twice, or before the last one: what each filter makes of them."""
+"""Steps that are late, early, repeated, or before the last one, and each filter's response."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The governor's times, and which it cannot count through."""
+"""The governor's times, and those that span too many samples."""
 
 import pytest
 

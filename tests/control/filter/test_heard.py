@@ -1,4 +1,4 @@
-"""Inputs that a filter uses: odometry and free distances while young, and samples in time."""
+"""Inputs that a filter uses: recent odometry and free distances, and punctual samples."""
 
 import casadi as ca
 import numpy as np

@@ -26,7 +26,7 @@ ALONE = {"base.kind": "torque"}
 
 
 def worst(h, **stated):
-    """A run of that member, its force held over h."""
+    """A run of the worst member of the family, with its force held over h."""
     own = {**OVERSHOOTING, **WORST, "clock.plant": h, "clock.control": 0.05}
     return override(based(own), {f"filter.{key}": value for key, value in stated.items()})
 
@@ -35,7 +35,7 @@ def steps(
     h, pushed = False, count = 4_000, M = 55.0, kp = 140.0,
     ki = 320.0, c = 0.0,
 ):  # fmt: skip
-    """Speed after each step, behind a command of 1 from the first on, or a push of 1 N."""
+    """Speed after each step, under a command of 1 from the first step on, or a push of 1 N."""
     v = f = 0.0
     found, u, d = [], 0.0 if pushed else 1.0, float(pushed)
     for _ in range(count):
@@ -148,7 +148,9 @@ def test_a_loop_too_quick_for_its_steps_is_refused(change):
 
 
 def stepped(v, u, mu, h):
-    """v behind a step of a run: one of Runge and Kutta's, the loop of 0.2 s and friction held."""
+    """v after a step of a run: one of Runge and Kutta's, with the loop of 0.2 s and friction
+    held.
+    """
     given, k = (u - v) / (-h / math.expm1(-h / 0.2)) + mu * 9.81 * math.tanh(v / 0.01), [0.0]
     for share in (0.0, 0.5, 0.5, 1.0):
         k.append(given - mu * 9.81 * math.tanh((v + share * h * k[-1]) / 0.01))

@@ -1,4 +1,4 @@
-"""Numbers for which nobody proved that the filter's margin covers its roundings are named."""
+"""Numbers outside the proved range of the filter's rounding margin are named."""
 
 import pytest
 

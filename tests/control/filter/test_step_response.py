@@ -1,4 +1,4 @@
-"""The clip of slow commands of linear loops, against the worst of all that change so slowly."""
+"""The clip of linear loops with slew, against the worst commands that change so slowly."""
 
 from itertools import product
 

@@ -1,4 +1,4 @@
-"""Times and distances that people read, against what the graph does with the same numbers."""
+"""Times and distances for people, against the graph with the same numbers."""
 
 import math
 
@@ -42,7 +42,7 @@ RAMPS = {**changes("filter.kind = clip; filter.decel = [1.0, 2.0]"), "filter.tau
 def test_a_stop_is_made_of_its_parts():
     """The parts of a stop equal a calculation by hand.
 
-    The stop is 0.08 s late; a speed of 0.95 m/s fades and a push of 0.05 m/s acts for 1 s.
+    The stop is 0.08 s late; a speed of 0.95 m/s decays and a push of 0.05 m/s acts for 1 s.
     """
     stop = stopping(override(SCENARIO, {"filter.leave": 0}), 1.0)
     brake = 0.95 * 0.3 * (1 - math.exp(-1 / 0.3))
@@ -55,7 +55,9 @@ def test_a_stop_is_made_of_its_parts():
 
 @pytest.mark.parametrize("changes", [{}, RAMPS])
 def test_the_filter_lets_a_base_drive_on_from_that_distance_alone(changes):
-    """A steady command passes if the free way is 2 mm longer than the stop, not if 2 mm shorter."""
+    """A steady command passes if the free distance is 2 mm longer than the stop, not if 2 mm
+    shorter.
+    """
     scenario = override(SCENARIO, changes)
     speed = 0.4
     needed = stopping(scenario, speed).distance

@@ -1,4 +1,6 @@
-"""A governor with limits and free ways as inputs: adversaries, and the effect of each input."""
+"""A governor with limits and free distances as inputs: adversaries, and the effect of each
+input.
+"""
 
 import math
 from dataclasses import replace
@@ -92,7 +94,7 @@ def test_rest_is_known_only_after_the_brake_has_closed(jitter, time, steps):
 
 
 def test_a_brake_behind_a_dead_band_keeps_the_limit():
-    """A base that stands at once, also after commands that its firmware takes for 0."""
+    """A base that stops instantly, also after commands that its firmware treats as 0."""
     told = PLAIN | changes("filter.d = [0.1, 0.1]; filter.rest = 0")
     governor, v = CommandFilter(load_scenario("paper-simulation", told)), 0.0
     for asked in (1.0,) * 60 + (0.04,) + (-9.0,) * 4:
@@ -141,7 +143,7 @@ def test_the_mirrored_drive_is_sent_the_mirrored_commands(signs):
 
 
 def holds(filtered, memory):
-    """Tell whether a request waits in memory. It passes when its summed pull is large enough."""
+    """True if a request waits in memory.  It passes when its summed pull is large enough."""
     names = [item.signal for item in filtered.system.state]
     at = sum(item.size for item in names[: [item.name for item in names].index("waited")])
     return memory[at : at + 4].any()

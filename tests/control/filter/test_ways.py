@@ -1,4 +1,4 @@
-"""Ways of a stop by formulas against a base that is integrated."""
+"""Distances of a stop by formulas, against a base that is integrated."""
 
 import math
 
@@ -20,7 +20,9 @@ STOP = Stop((0.15, 0.3), 0.05, 1.0, 0.05, 0.15, 0.1)
 
 
 def gone(v, pieces, tau, steps=20_000):
-    """Way and speed of a base that follows (target, time) one after the other, by Euler's rule."""
+    """Distance and speed of a base that follows (target, time) one after the other, by Euler's
+    rule.
+    """
     way = 0.0
     for target, time in pieces:
         h = time / steps
@@ -44,9 +46,9 @@ def test_the_farthest_way_is_that_of_one_end():
 @pytest.mark.parametrize("instant", [0.1, 0.15])
 @pytest.mark.parametrize("w, at", [(0.3, 0.1), (0.05, 0.0), (0.8, 0.2)])
 def test_the_largest_steady_speed_stops_the_worst_base_within_the_free_way(w, at, instant):
-    """The worst base stops exactly at the end of the free way.
+    """The worst base stops exactly at the end of the free distance.
 
-    Obstacles come nearer until it stands.
+    Obstacles approach until it stands.
     """
     free = 0.9
     m = float(STOP.steady(free, [Reached(instant, at, w)]))

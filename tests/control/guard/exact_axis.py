@@ -1,9 +1,9 @@
 """Robots of one axis each, side by side and exactly: friction, push, mass, lag and late commands.
 
 Nothing here comes from the product.  A control period has PARTS equal parts.  In each the acting
-force is constant or, behind a lag, an exponential; friction is none, or dry, or a grip that stops
-the robot at once.  Velocity and its integral are exact but for the part in which dry friction stops
-or starts a robot, which is cut into many.
+force is constant or, behind a lag, an exponential.  There is no friction, or dry friction, or a
+grip that stops the robot instantly.  Velocity and its integral are exact, except in the part in
+which dry friction stops or starts a robot, which is divided into many.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ class Robots:
     lag: np.ndarray
 
     def move(self, force, push, mass, grip, h):
-        """Go on by ``h`` [s], by dry friction ``grip`` (inf: a stop); the integral of v."""
+        """Advance by ``h`` [s] with dry friction ``grip`` (inf: a stop); return the integral
+        of v.
+        """
         slow = self.lag > 0
         lag = np.where(slow, self.lag, 1.0)
         gap = np.where(slow, self.acting - force, 0.0)
@@ -45,7 +47,7 @@ class Robots:
 
 
 def _stopping(v, force, gap, lag, dry, mass, h):
-    """Velocity and way of one robot that dry friction stops or lets go."""
+    """Velocity and distance of one robot that dry friction stops or releases."""
     total, piece = 0.0, h / PIECES
     for _ in range(PIECES):
         mean = force + gap * lag * -np.expm1(-piece / lag) / piece

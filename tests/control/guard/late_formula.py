@@ -76,7 +76,7 @@ class LateGuard:
     def hi_of(self, y, sent, tail, way):
         """Largest safe force in direction ``way``; ``sent``: the latest first.
 
-        ``tail``: the push behind the lag before the commands that are listed.
+        ``tail``: push behind the lag due to commands older than the listed ones.
         """
         spent, z = self._spent(tail, self._pieces(self.n), self._most(sent, way))
         room = (
@@ -99,13 +99,13 @@ class LateGuard:
         return np.minimum(np.maximum(m - self.net, -self.brakes), self.largest)
 
     def next_tail(self, tail, commands, way):
-        """``commands``: the new one first."""
+        """Tail at the next sample; ``commands``: the new one first."""
         oldest = self._pieces(self.n + 1)[: 2 if self.n else 1]
         return self._spent(tail, oldest, self._most(commands, way))[1]
 
     @property
     def first_tail(self):
-        """After commands of 0."""
+        """Tail after commands of 0."""
         return max(self.net, 0.0)
 
     @property
@@ -141,7 +141,7 @@ class LateGuard:
         return items
 
     def _spent(self, z, pieces, push):
-        """Momentum that a push behind the lag takes of the mean and from rest, and its last."""
+        """Momentum of a push behind the lag, for the mean and from rest, and its last value."""
         spent = [0.0, 0.0]
         for which, begin, end in pieces:
             if begin - end > 1e-12:
@@ -155,7 +155,7 @@ class LateGuard:
         return self.lag if self.fast is None else self.fast
 
     def _behind(self, z, p, begin):
-        """A push p behind the lag, which was z at an age, as a function of the age."""
+        """A push p behind the lag, with the value z at one age, as a function of the age."""
         falls, rises = np.maximum(z - p, 0.0), np.maximum(p - z, 0.0)
         return lambda s: (
             p + falls * _left(begin - s, self.lag) - rises * _left(begin - s, self._quick)
@@ -175,5 +175,5 @@ class LateGuard:
 
 
 def _left(time, lag):
-    """Share that is left behind a lag after a time."""
+    """Remaining share behind a lag after a time."""
     return np.exp(-time / lag) if lag else (time == 0) * 1.0

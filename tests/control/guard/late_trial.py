@@ -1,4 +1,4 @@
-"""The product's guard before exact robots that are as adverse as their bounds let them be."""
+"""The product's guard before exact robots that are as adverse as their bounds allow."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def composed(case):
 
 @dataclass(frozen=True)
 class Result:
-    """Largest |v|/limit per axis, d_least/dbar, and how far product and formula are apart [N].
+    """Largest |v|/limit per axis, d_least/dbar, and the difference of product and formula [N].
 
     ``seen``: velocities (parts, 2, lanes), each at the end of its part; ``mass`` (2, lanes).
     """
@@ -119,7 +119,7 @@ class Result:
 class Thrown:
     """The event that brings robots outside: a start at ``start`` v_u1, or a push of ``times`` dbar.
 
-    The push lasts ``samples``. Both act in the direction ``way`` (lanes) of +-1.
+    The push lasts ``samples``.  Both act in the direction ``way`` (lanes) of +-1.
     """
 
     way: np.ndarray
@@ -218,7 +218,7 @@ def _time_constants(draw, lanes, real):
 
 
 def _ways(draw, lanes, samples):
-    """+-1 per sample, part and lane: with the velocity, by a rhythm, or by chance."""
+    """+-1 per sample, part and lane: the velocity's sign, a rhythm, or random."""
     kind = draw.integers(0, 3, lanes)
     half = np.exp(draw.uniform(0, np.log(6 * PARTS), (2, lanes)))
     phase, duty = draw.uniform(0, 2, (2, lanes)) * half, draw.uniform(0.1, 0.9, (2, lanes))

@@ -1,4 +1,4 @@
-"""Numbers that the guard derives where a scenario leaves them out."""
+"""Numbers that the guard derives if a scenario omits them."""
 
 import math
 from dataclasses import replace
@@ -80,7 +80,7 @@ def test_what_effects_add_to_a_mass_widens_what_is_counted(i):
 
 @pytest.mark.parametrize("i", [0, 1])
 def test_the_speed_that_no_guard_beats_counts_each_part(i):
-    """v_u1 - nbar - (friction + dbar) (T + age + delay)/M_min, worked out here by hand."""
+    """v_u1 - nbar - (friction + dbar) (T + age + delay)/M_min, calculated here by hand."""
     scenario, guard = late()
     best, friction = unbeatable_speed(scenario, guard, (39.0, 2.0)), (39.0, 2.0)
     limit, mass = (1.0, 1.5)[i], (0.9 * 50.0 - 3.0, 0.9 * 5.4 - 0.2)[i]
@@ -109,7 +109,9 @@ def test_before_the_first_command_acts_a_push_has_delay_and_lag(i):
 
 
 def test_where_drives_vary_the_mixed_time_caps_what_brakes():
-    """M_min (v_u1 - 2 nbar)/mixed, with so much error that it is the smaller of the two."""
+    """M_min (v_u1 - 2 nbar)/mixed, with an error so large that this is the smaller of the two
+    caps.
+    """
     noisy = replace(LATE, nbar=(0.49, 0.735))
     scenario, still = late()
     guard = derived_guard(scenario, noisy, math.inf)

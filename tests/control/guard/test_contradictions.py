@@ -44,7 +44,7 @@ MET = cases("""
 
 
 def unsaid(numbers, text):
-    """Numbers of a case that a text leaves out."""
+    """Numbers of a case that a text omits."""
     return [number for number in numbers.split(", ") if number not in text]
 
 
@@ -106,7 +106,7 @@ def test_a_plant_step_too_coarse_for_the_friction_is_told(step, mu, told):
 
 
 def test_an_alpha_that_noise_shakes_is_said_with_its_swing():
-    """A run along the limit, with errors of the stated size, swings about so much."""
+    """In a run along the limit, errors of the stated size cause about this swing."""
     fast = changes("""
         reference.kind = line
         reference.speed = 1.5
@@ -146,7 +146,7 @@ PUSH = [66.8580831, 12.34567891]
     """),
 )
 def test_the_number_that_is_said_to_be_enough_is_enough(preset, key, changed, most):
-    """A push that is smaller as a number of six digits."""
+    """The push becomes smaller when written with six digits."""
     given = changes(changed)
     if preset == "paper-simulation":
         given |= changes("disturbance.std = 0; guard.enabled = true")

@@ -1,4 +1,4 @@
-"""The guard behind drives with a delay: commands under way, refusals, and speeds reached."""
+"""The guard behind drives with a delay: commands in transit, refusals, and speeds reached."""
 
 import math
 from functools import partial

@@ -65,7 +65,7 @@ def test_a_derived_brake_is_within_the_wheels_reach_however_it_is_rounded():
 
 
 def test_where_the_robot_would_not_start_no_speed_is_usable():
-    """A mean over a long window hides how fast it is; at rest all of the window counts."""
+    """A mean over a long window hides the robot's speed; at rest the whole window counts."""
     scenario = guarded(**{"guard.dbar": [60.0, 15.0]})
     late = Bound(window=(0.5, 0.5))
     numbers = derived_guard(scenario, late, np.inf)
@@ -83,7 +83,9 @@ def test_where_the_robot_would_not_start_no_speed_is_usable():
 
 @pytest.mark.parametrize("kind", ["linear-first", "rotation-first"])
 def test_brakes_beyond_the_wheels_by_a_rounding_are_not_feasible(kind):
-    """The force falls short in every sample then, and the limit is passed again and again."""
+    """Otherwise the force would be too small in every sample, and the limit would be exceeded again
+    and again.
+    """
     edge = changes("guard.dbar = [60, 15]; guard.brake = [100, 25]; actuator.tau_max = 10")
     item = guard(settle(guarded(**edge, **{"guard.map": kind}), None))
 

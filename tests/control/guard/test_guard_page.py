@@ -1,6 +1,6 @@
-"""Sentences of docs/explanation/guarantee.md, each tried on robots that are exact.
+"""Statements 1 to 5 of docs/explanation/guarantee.md, each tested on exact robots.
 
-Nothing here integrates with the product's code; of the product there is the guard's graph alone.
+Nothing here integrates with the product's code; only the guard's graph is the product's.
 """
 
 import re
@@ -26,7 +26,7 @@ every_case = pytest.mark.parametrize("name", CASES)
 
 @every_case
 def test_inside_stays_inside_and_there_is_always_a_safe_force(name):
-    """1 and 3: at every instant, for every law."""
+    """Statements 1 and 3: at every instant, for every law."""
     found = trial(CASES[name], ROBOTS, 60, 1)
 
     assert (found.fastest <= 1).all()
@@ -35,7 +35,7 @@ def test_inside_stays_inside_and_there_is_always_a_safe_force(name):
 
 @pytest.mark.parametrize("name", ["10 ms", "100 ms"])
 def test_outside_comes_back_in_time_and_not_through_the_other_side(name):
-    """2: the speed never grows, and the limit is reached within the stated samples."""
+    """Statement 2: the speed never grows, and the limit is reached within the stated samples."""
     case, way = CASES[name], np.random.default_rng(3).choice([-1.0, 1.0], ROBOTS)
     thrown = Thrown(way, start=2.0)
     found = trial(case, ROBOTS, 40, 3, thrown=thrown)
@@ -48,9 +48,10 @@ def test_outside_comes_back_in_time_and_not_through_the_other_side(name):
 @pytest.mark.parametrize("name", ["10 ms", "100 ms"])
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_refused_force_could_leave_the_limit(name, way):
-    """4: with alpha = 1/T and exact measurement, the lightest robot that is pushed just reaches it.
+    """Statement 4: with alpha = 1/T and exact measurement, the lightest robot under a push just
+    reaches it.
 
-    Friction may stop at once a robot that moves the other way, and then vanish.
+    Friction may instantly stop a robot that moves the other way, and then vanish.
     """
     case, (system, step) = CASES[name], composed(CASES[name])
     share, robot = np.array([1.0, 0.2]), settled(case).scenario.robot
@@ -64,7 +65,7 @@ def test_a_refused_force_could_leave_the_limit(name, way):
 
 @every_case
 def test_a_broken_bound_costs_what_it_says(name):
-    """5: |d| <= dbar + D keeps the speed below v_u1 + D (T + delay)/M_min."""
+    """Statement 5: |d| <= dbar + D keeps the speed below v_u1 + D (T + delay)/M_min."""
     case = CASES[name]
     found = trial(case, ROBOTS, 60, 7, replace(case, dbar=1.1 * case.dbar), compare=False)
     most = LIMITS + 0.1 * case.dbar * case.T * (1 + case.hi) / case.M_min

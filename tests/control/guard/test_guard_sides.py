@@ -1,4 +1,4 @@
-"""The guard with another limit backwards than forwards."""
+"""The guard with different limits forwards and backwards."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ BACKWARDS = {**changes("initial.velocity = [-0.1, -0.1]"), "initial.pose": [6.0,
 
 @pytest.mark.parametrize("late", [False, True])
 def test_each_side_is_a_guard_of_one_limit_whose_caps_are_those_of_the_narrower(late):
-    """So every statement on one side holds, and a safe force is left at every speed."""
+    """So every statement about one side holds, and a safe force exists at every speed."""
     draw, sent = np.random.default_rng(5), None
     for _ in range(60):
         numbers = dict(zip(NAMES, drawn(draw)[0], strict=True))

@@ -64,7 +64,7 @@ def test_hostile_robots_reach_the_limit_and_never_pass_it(name):
     ],
 )
 def test_a_few_hostile_robots_get_the_forces_of_the_formula(case):
-    """Also where wheels are weak: older commands count as they were given."""
+    """Also with weak wheels: older commands have the weights that they had when sent."""
     found = trial(case, 24, 40, 0)
 
     assert (found.fastest <= 1).all()

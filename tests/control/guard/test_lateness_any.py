@@ -11,9 +11,10 @@ from tests.control.guard.late_trial import LIMITS, Case, Thrown, trial
 
 
 def any_case(seed):
-    """Windows, ages, delays, lags, errors, friction, brakes and slopes by chance; dbar up to most.
+    """Random windows, ages, delays, lags, errors, friction, brakes and slopes; dbar up to its
+    largest value.
 
-    Most is what the guard can be asked for, which half of the cases come close to.
+    That is the largest value that the guard accepts; half of the cases are close to it.
     """
     draw = np.random.default_rng(seed)
 
@@ -61,7 +62,7 @@ def test_from_outside_it_comes_back_as_stated_and_not_through_the_other_limit(se
 def returned(found, axis, f, thrown):
     """Assert the promises of docs/explanation/guarantee.md on robots outside.
 
-    Speeds are taken along the direction of the throw.
+    Speeds are measured in the direction of the event.
     """
     u1, h = LIMITS[axis], f.T / PARTS
     v = np.vstack([thrown.start * u1 * np.ones(len(thrown.way)), found.seen[:, axis] * thrown.way])

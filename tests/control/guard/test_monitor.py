@@ -60,7 +60,7 @@ def test_the_same_push_costs_a_guarded_run_its_outcome(law):
 @pytest.mark.parametrize("law", ["pid", "mb", "prox"])
 @pytest.mark.slow_but("pid", "mb")
 def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law):
-    """d_least is the push to a few units in the last place, above it in some sample."""
+    """d_least is the push to a few units in the last place; in some sample it is above."""
     push = [60.0, 15.0]
     changed = {**OFF, **PUSHED, "disturbance.push": push, "guard.dbar": push}
     run = simulate("paper-simulation-no-switch", law, overrides=changed)
@@ -82,7 +82,7 @@ def test_a_push_of_dbar_itself_contradicts_nothing_by_rounding(law):
     ],
 )
 def test_the_least_push_is_what_the_lightest_or_heaviest_robot_leaves_open(old, v, force, least):
-    """Speeds are known to 0.01, so a change to 0.02; a rise is made by the lightest robot."""
+    """Speeds are known to 0.01, so a change to 0.02; the lightest robot explains a rise best."""
     bounds = SimpleNamespace(nbar=0.01, period=0.1, M_min=40.0, M_max=60.0)
 
     assert float(ca.evalf(least_push(*map(ca.SX, (v, old, force)), bounds))) == pytest.approx(least)

@@ -50,7 +50,7 @@ def test_what_cannot_be_met_is_refused(changed, said):
 
 @pytest.mark.parametrize("beyond", [1.0, 1.1])
 def test_a_command_may_take_over_one_period_late_and_no_later(beyond):
-    """J <= T, at the edge too."""
+    """J <= T, also at the edge."""
     scenario = load_scenario("far-start", ON)
     bound = Bound(delay=0.03, jitter=0.01 * beyond)
     if beyond == 1.0:
@@ -102,7 +102,7 @@ def test_the_torque_that_is_enough_is_enough_though_bounds_read_it(share):
 
 @pytest.mark.parametrize("share", [0.97, 1.0, 2.0])
 def test_a_torque_limit_is_not_proposed_where_none_is_enough(share):
-    """At 0.97 there is one that the wheels need, and dbar is too large for the period there."""
+    """At 0.97 there is one that the wheels need, but dbar is too large for the period there."""
     bound, scenario = reads_the_limit(share), scenario_of("far-start", {"actuator.tau_max": 4.0})
 
     with pytest.raises(ScenarioError, match=r"No tau_max is enough: .* with tau_max") as told:

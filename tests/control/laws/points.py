@@ -1,4 +1,4 @@
-"""Laws' graphs at single points, and beside their twins of `tests.oracle`."""
+"""Laws' graphs at single points, compared with their twins in `tests.oracle`."""
 
 from types import SimpleNamespace
 
@@ -33,10 +33,10 @@ def at(system, given, memory=None):
 
 
 def assert_twin(law, samples=80, **changed):
-    """Assert that a law's forces are the oracle's, over samples that are drawn at random.
+    """Assert that a law's forces equal the oracle's, over random samples.
 
-    Desired states are anywhere, the robot is near or far from them, slow enough for friction to
-    bend or not; torques are drawn as well.  Returns the forces (samples, 2).
+    Desired states are anywhere.  The robot is near or far from them, with speeds at which friction
+    is partly or fully developed.  Torques are random, too.  Returns the forces (samples, 2).
     """
     scenario = override(paper(), changed)
     setup = settle(scenario, law)

@@ -111,7 +111,9 @@ def test_documentation_names_source_and_differences(law):
 
 
 def test_feedforward_is_not_dropped_at_the_target():
-    """At v = v_c0 exactly, MB asks for M1 v_c0' + F1; the printed A^-1 := 0 asks for F1 alone."""
+    """At v = v_c0 exactly, MB requests M1 v_c0' + F1; with the printed A^-1 := 0 it would request
+    F1 alone.
+    """
     system = law_graph(settle(SCENARIO, "mb"))
     accelerating = (0.0, 0.0, 0.0, 0.2, 0.1, 0.7, -0.4)
     u = (*accelerating, 0.0, 0.0, 0.0, 0.2, 0.1)

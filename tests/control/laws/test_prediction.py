@@ -1,4 +1,4 @@
-"""Laws that predict to the time when their command acts, and what that is worth behind a delay."""
+"""Laws that predict to the time when their command acts, and the benefit behind a delay."""
 
 import casadi as ca
 import numpy as np
@@ -23,7 +23,9 @@ predicting = pytest.mark.parametrize("law", LAWS)
 
 
 def late(law, share, stated=None, **changed):
-    """100 ms with a delay of ``share`` periods, the guide's gains for none, and a prediction."""
+    """100 ms with a delay of ``share`` periods, the guide's gains for no delay, and a
+    prediction.
+    """
     gains, delay = guide(T, 0.0, 0.2), round(share * T, 3)
     text = f"""
         clock.control = {T}
@@ -54,7 +56,7 @@ def test_commands_that_a_law_predicts_with_are_remembered_where_drives_are_quick
 
 @predicting
 def test_it_counts_on_the_observers_force_and_on_a_reference_that_gathers_speed(law):
-    """Two commands under way, 1.5 periods."""
+    """There are two commands in transit, over 1.5 periods."""
     other = changes("model.m = 60.0; model.I = 4.0; model.mu = 0.1; actuator.delay = 0.015")
     assert_twin(law, **other, **{f"gains.{law}.delay": 0.015})
 

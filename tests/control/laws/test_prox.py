@@ -1,4 +1,4 @@
-"""The sampled-data law: what its theorem promises, on its own graph and in the loop."""
+"""The sampled-data law: its theorem's statements, on its own graph and in the loop."""
 
 import casadi as ca
 import numpy as np
@@ -63,7 +63,7 @@ def test_its_force_is_that_of_its_formulas(transport, barrier):
 @pytest.mark.parametrize("period, share", [(0.1, 0.5), (0.01, 0.0), (0.2, 0.5)])
 @pytest.mark.slow_but("0.1-0.5")
 def test_gains_of_the_guide_stand_a_mass_that_is_believed_wrong(period, share):
-    """The linear loop, delay in it, with 0.6 to 1.6 times the believed mass."""
+    """The linear loop with its delay is stable for 0.6 to 1.6 times the believed mass."""
     delay = share * period
     start = guide(period, delay, 0.2)
     for ratio in np.linspace(0.6, 1.6, 6):

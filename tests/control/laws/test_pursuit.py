@@ -22,7 +22,7 @@ TOP = 0.95 * np.array((1.0, 1.5))
 
 
 def pursuing(gains):
-    """Function of the place behind, right of, turned from a reference: wanted (2,), point (2,)."""
+    """Function of a place behind, right of and turned from a reference: wanted (2,), point (2,)."""
     context = LawContext(settle(override(paper(), changes(gains)), "pursuit"))
     found = [wanted_velocity(context), point_ahead(context)[0]]
     ports = context.parameters.ports
@@ -37,7 +37,7 @@ def pursuing(gains):
 
 
 def test_the_arc_that_it_drives_ends_at_the_point():
-    """Also where it is scaled down to the limits, and where the turn slows it."""
+    """Also if it is scaled down to the limits, or slowed by the turn."""
     own = "gains.pursuit.turn_from = 3.15; gains.pursuit.distance = [0.2, 0.4]"
     ways = [pursuing(f"{own}; gains.pursuit.radius = {radius}") for radius in (0.0, 2.0)]
     speeds = []
@@ -58,7 +58,9 @@ def test_the_arc_that_it_drives_ends_at_the_point():
     ["", "radius = 5.0; slowest = 0.1; turn_from = 3.15", "turn = 1.2; turn_from = 0.5", "k = 3.0"],
 )
 def test_speeds_turns_and_the_way_ahead_are_those_of_its_formulas(gains):
-    """Tight turns are slower, with its slowest as a floor; the angle ahead has a widest."""
+    """Tight turns are slower, but not below the floor ``slowest``; the angle ahead has a
+    maximum.
+    """
     assert_twin(LAW.name, 200, **{f"gains.pursuit.{key}": x for key, x in changes(gains).items()})
 
 

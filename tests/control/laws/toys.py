@@ -1,4 +1,4 @@
-"""Laws as other packages would bring them: one that stands on Eq. (7), one that knows nothing."""
+"""Laws as other packages would supply them: one that uses Eq. (7), one that knows nothing."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TOY = Law(
 
 
 class PlainGains(Section, key="gains.plain"):
-    """Gains on the errors of way, heading and velocity."""
+    """Gains on the errors of position, heading and velocity."""
 
     ahead: float = quantity(0.5, unit="1/s", doc="gain on e_1", minimum=0.0)
     aside: float = quantity(0.5, unit="rad/(m.s)", doc="gain on e_2", minimum=0.0)
@@ -73,6 +73,6 @@ def install(monkeypatch, *laws):
 
 
 def forget(monkeypatch):
-    """Forget the laws that one test hands over, after it."""
+    """Context that forgets the laws that one test supplies."""
     monkeypatch.setattr(registry.LAWS, "given", {})
     monkeypatch.setattr(registry.LAWS, "files", {})

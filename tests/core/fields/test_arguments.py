@@ -1,4 +1,4 @@
-"""Whatever is handed to a public name or to a public value: a result, or one sentence about it."""
+"""Any argument of a public function or value gives a result, or one sentence about the error."""
 
 import inspect
 from functools import partial
@@ -74,7 +74,7 @@ BAD = {
 
 @pytest.fixture(autouse=True)
 def elsewhere(tmp_path, monkeypatch):
-    """Whatever is written by a call that succeeds lies here."""
+    """Folder for the files that successful calls write."""
     monkeypatch.chdir(tmp_path)
 
 

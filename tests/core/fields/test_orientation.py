@@ -1,4 +1,4 @@
-"""`frames = "rep103"` counts orientations from +X at the border, and changes no motion."""
+"""`frames = "rep103"` measures orientations from +X at the interface, and changes no motion."""
 
 import dataclasses
 import math

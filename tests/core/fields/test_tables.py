@@ -1,4 +1,4 @@
-"""Tables that people bring: separators, names, units, and rows that are wrong."""
+"""Users' tables: separators, names, units, and wrong rows."""
 
 import math
 

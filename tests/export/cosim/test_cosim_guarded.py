@@ -73,7 +73,7 @@ def test_the_guard_keeps_a_foreign_controller_within(eager):
 )
 @pytest.mark.slow
 def test_a_law_of_ours_guarded_from_outside_is_the_guarded_run(exported, law, version, master):
-    """Under the other master, it is that with the guard in the controller."""
+    """Under the Jacobi master it equals the run with the guard in the controller."""
     given = {"seed": 4, "fmi": version} | ({"master": master} if master else {})
     run = cosimulate(SAFE, controller=exported(law, version, BARE), **given)
     guarded = cosimulate(SAFE, law, **given) if master else simulate(SAFE, law, seed=4)

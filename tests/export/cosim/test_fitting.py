@@ -1,4 +1,6 @@
-"""What FMUs cannot do of a scenario is refused; what their drives and clocks fix, too."""
+"""Parts of a scenario that FMUs cannot provide are refused, also those fixed by drives and
+clocks.
+"""
 
 import ctypes as ct
 import re
@@ -61,7 +63,7 @@ def test_what_no_part_does_is_refused_before_any_is_built(key, monkeypatch):
 
 
 def test_a_step_that_does_not_divide_the_period_is_refused(their_plant, mapped):
-    """It would be rounded in silence."""
+    """Otherwise it would be rounded silently."""
     given = their_plant | {"map_file": mapped(PLANT_MAP.replace("0.005", "0.003"))}
     with pytest.raises(ArgumentError, match=r"0\.003 s, does not divide .* Take 0\.00333333333 s"):
         cosimulate(SHORT, "pid", **given)
@@ -132,7 +134,7 @@ def test_a_plant_that_gives_no_numbers_is_named(foreign, mapped):
 
 
 def test_messages_of_fmi_2_have_their_values(exported, tmp_path):
-    """A model may leave it to the importer to put them into the text, each its own."""
+    """A model may leave it to the importer to insert values into the text, each message its own."""
     slaves = [Slave(exported("nn", 2), name, tmp_path / name) for name in ("first", "second")]
     texts = ct.c_char_p, ct.c_int, ct.c_char_p, ct.c_char_p, ct.c_int
     kind = ct.CFUNCTYPE(None, ct.c_void_p, *texts)

@@ -1,4 +1,4 @@
-"""A foreign plant by FMI 3.0, written in C: its steps, its messages, the units of its mass."""
+"""A foreign plant in FMI 3.0, written in C: its steps, its messages, the units of its mass."""
 
 import json
 import re
@@ -53,7 +53,7 @@ start = {{ mode = {mode}.0 }}
 
 @pytest.fixture(scope="module")
 def packed(tmp_path_factory):
-    """A function that packs the FMU, as it is or altered; functions that it does not write fail."""
+    """A function that packs the FMU, unchanged or altered; missing functions fail."""
     folder = tmp_path_factory.mktemp("foreign3")
     own = SOURCE.read_text("utf-8")
     types = (HEADERS / "fmi3FunctionTypes.h").read_text("utf-8")
@@ -111,7 +111,7 @@ def plant(packed):
 
 
 def test_a_change_is_set_in_the_plants_own_unit(plant, their_map):
-    """A mass in g was set to 45 of them, in silence."""
+    """A mass in g was once silently set to 45."""
     run = cosimulate(LIGHTER, "pid", plant=plant, map_file=their_map(), fmi=3)
     ours, heavy = (simulate(case, "pid") for case in (LIGHTER, SHORT))
     assert run.outcome == ours.outcome
@@ -138,7 +138,9 @@ def test_a_change_that_cannot_be_made_is_refused_before_it_runs(plant, their_map
 
 
 def test_a_time_that_lags_and_warnings_are_told_and_end_no_run(plant, their_map):
-    """Where the last successful time lags, status and flags say nothing: others go on, too."""
+    """Status and flags do not show that the last successful time lags, so other importers continue,
+    too.
+    """
     lags, warns = "0.005 s behind the step's end", "beyond the range of the tyres"
     same = cosimulate(SHORT, "pid", plant=plant, map_file=their_map(0))
     for mode, what, text in ((1, "lagged", lags), (2, "warned", warns)):
@@ -168,7 +170,9 @@ outputs = { x = "x", y = "y", psi = "yaw", v1 = "twist[1]", omega = "twist[2]" }
 
 
 def test_rows_have_every_type_of_number_and_elements_of_arrays(plant, mapped):
-    """An enable, a whole number, single precision, an element read and one written."""
+    """An enable flag, an integer, single precision, and array elements that are read and
+    written.
+    """
 
     def run(start="", text=TYPED):
         return cosimulate(SHORT, "pid", plant=plant, map_file=mapped(text + start))
@@ -206,7 +210,7 @@ def test_what_no_variable_can_take_is_told(plant, mapped, old, new, words):
 
 
 def test_what_an_fmu_prints_never_reaches_standard_output(plant, their_map):
-    """C's buffer, which is written when the process ends, does not either."""
+    """Nor does C's buffer, which is written when the process ends."""
     words = "-m wmr_ctrl cosim paper-simulation-nominal --law pid --set clock.duration=0.6 --json"
     given = ["--plant", plant, "--map", their_map(3)]
     done = finished([sys.executable, *words.split(), *given])
@@ -232,7 +236,7 @@ def test_a_file_that_cannot_be_used_is_told_why(packed, their_map, given, words)
 
 
 def test_a_description_that_breaks_the_rules_is_told_and_read(plant, packed, mapped):
-    """PythonFMU writes whole numbers as continuous variables, and importers take them."""
+    """PythonFMU writes whole numbers as continuous variables, and importers accept them."""
     text = mapped(TYPED)
     odd = packed("rules", described=[('"steps"', '"steps" variability="continuous"')])
     run, same = (cosimulate(SHORT, "pid", plant=file, map_file=text) for file in (odd, plant))

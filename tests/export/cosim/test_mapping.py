@@ -80,7 +80,7 @@ def test_units_may_be_those_of_the_si(foreign, mapped):
 
 
 def test_units_are_what_the_fmu_defines():
-    """mN.m by a factor, degC by an offset too, under whatever name."""
+    """mN.m by a factor, degC also by an offset, for any name of the unit."""
     milli = NamedUnit("milli", 1e-3, unit_of("N.m").exponents)
     theirs = {"torque": milli, "angle": NamedUnit("turned", np.pi / 180, {"rad": 1}, 0.5)}
     part = PartMap(
@@ -114,7 +114,7 @@ def test_keys_of_a_map_are_told_like_those_of_a_scenario(mapped, text, words):
 
 
 def taken(row):
-    """The input x in m that a row gives."""
+    """Value in m of the input x that a row gives."""
     return input_rows(PartMap(inputs={"x": row}), lambda _: "m", "plant")[0]
 
 
@@ -136,7 +136,7 @@ def test_entries_of_a_map_are_told_like_keys_of_a_scenario():
     "part, takes, gives", [("plant", "tau_applied[1]", "x_d"), ("controller", "torque_right", "v1")]
 )
 def test_a_quantity_that_a_part_does_not_have_is_refused(part, takes, gives):
-    """It was without effect, or a KeyError in the first step."""
+    """Such a row once had no effect, or raised a KeyError in the first step."""
     with pytest.raises(UnknownNameError, match=rf"{part}\.inputs\.theirs can have"):
         input_rows(PartMap(inputs={"theirs": takes}), lambda _: "m", part)
     with pytest.raises(UnknownNameError, match=rf"{part}\.outputs\.{gives} can have"):

@@ -11,7 +11,7 @@ from wmr_ctrl.export.cosim.parts import Part, limiter, ready, wheels_of
 
 
 class Stub:
-    """An FMU that gives what it was given."""
+    """An FMU that returns its inputs."""
 
     def __init__(self):
         self.given, self.steps = [], []

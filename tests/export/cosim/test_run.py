@@ -90,7 +90,7 @@ def test_a_file_that_is_no_fmu_is_told_in_words(tmp_path, parts, said):
     ],
 )
 def test_a_library_that_cannot_be_loaded_is_told_in_words(exported, tmp_path, altered, said):
-    """It would end the process that loads it; another process tries first."""
+    """Loading it would end the process, so another process tries first."""
     with zipfile.ZipFile(exported("plant", 2)) as whole:
         parts = {name: whole.read(name) for name in whole.namelist()}
     library = parts.pop("binaries/linux64/wmr_plant.so")
@@ -103,7 +103,7 @@ def test_a_library_that_cannot_be_loaded_is_told_in_words(exported, tmp_path, al
 
 @pytest.mark.parametrize("known", [False, True])
 def test_a_guard_that_is_not_told_of_the_masters_delay_promises_nothing(known):
-    """Its least disturbance counts the torque that came late, and the text says so."""
+    """Its least disturbance includes the late torque's effect, and the text says so."""
     safe = load_scenario("safe-simulation", {"clock.duration": 0.2})
     run = cosimulate(safe, "prox", master="jacobi", delay_known=known)
     text = flat(summary_text(run))
@@ -148,7 +148,9 @@ def test_a_map_becomes_transformations_of_connections(foreign, mapped, tmp_path)
 
 @pytest.mark.slow
 def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it():
-    """All at once, each torque acts a period late: as behind drives that are that late."""
+    """All parts step together, so each torque acts a period late, as behind drives with that
+    delay.
+    """
     own = {"clock.duration": 2.0, "initial.pose": [-1.0, -0.5, -0.7]}
     base = load_scenario("safe-simulation", own)
     late = override(base, {"actuator.delay": base.actuator.delay + base.clock.control})
@@ -160,7 +162,7 @@ def test_a_controller_that_knows_the_masters_delay_is_the_native_one_with_it():
 
 
 def test_a_delay_that_the_master_adds_is_told_apart_where_it_is_too_long():
-    """The remedy was a delay and jitter of 8 ms in all, of which the master takes 10."""
+    """The remedy was once a total delay and jitter of 8 ms, of which the master needs 10."""
     with pytest.raises(ScenarioError, match=r"counts 0 s of the scenario and .* 0\.01 s, by which"):
         cosimulate("robot-10ms", "kanayama", master="jacobi", delay_known=True)
     with pytest.raises(ArgumentError, match="no torque is delayed"):

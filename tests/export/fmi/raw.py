@@ -56,7 +56,7 @@ class Fmu:
         return function
 
     def length(self, count):
-        """The number of values as FMI 3 has it."""
+        """The number of values, as FMI 3 counts them."""
         return () if self.version == 2 else (ct.c_size_t(count),)
 
     def ref(self, name):
@@ -175,11 +175,11 @@ class Instance:
         return bytes(buffer)
 
     def of_state(self, verb, *given, end=""):
-        """Status of a function of states: its verb, arguments, and what its name ends in."""
+        """Status of a function of states: its verb, arguments, and the end of its name."""
         return getattr(self.fmu, f"{verb}{self.fmu.state}{end}")(self.handle, *given)
 
     def restore(self, content):
-        """Put a serialised state in place."""
+        """Restore a serialised state."""
         kept = ct.c_void_p()
         read = "DeSerialize" if self.fmu.version == 2 else "Deserialize"
         buffer = (ct.c_ubyte * len(content)).from_buffer_copy(content)

@@ -24,7 +24,9 @@ SOLVING = {INIT, EVENT, CONTINUOUS, STOPPED}
 
 @dataclass(frozen=True)
 class Call:
-    """A function, its legal states, a call, whether only instances for model exchange have it."""
+    """A function, its legal states, a call, and whether only instances for model exchange have
+    it.
+    """
 
     name: str
     legal: set[str]
@@ -57,7 +59,7 @@ def call(name, legal, *arguments, exchange=False):
 
 
 def never(names, *arguments):
-    """Functions that are there and always refused."""
+    """Functions that exist and are always refused."""
     return (call(name, set(), *arguments) for name in names.split())
 
 
@@ -79,7 +81,7 @@ def _completed(one):
 
 
 def _set(wanted, factor):
-    """Sets the first variable that is wanted to so many times its start."""
+    """Set the first wanted variable to a multiple of its start value."""
 
     def make(one):
         v = next(v for v in one.fmu.variables.values() if wanted(v))

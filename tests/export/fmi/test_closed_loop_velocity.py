@@ -130,7 +130,7 @@ def test_a_law_that_relies_on_what_it_sent_is_not_filtered_from_outside(exported
 
 
 def test_a_foreign_base_takes_velocities_or_speeds_of_its_wheels(foreign, mapped):
-    """It is all of [base] itself; with the numbers of that, it drives as ours does."""
+    """It replaces all of [base]; with the same numbers it drives as ours does."""
     file = foreign("TheirBase", BASE)
     native = simulate(override(QUIET, {"base.delay": 0.0}), LAW)
     runs = [

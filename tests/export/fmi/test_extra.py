@@ -1,4 +1,4 @@
-"""The plain C in a law's FMU is the FMU's law, called as its description says and no other way."""
+"""The plain C in a law's FMU equals the FMU's law, called exactly as its description says."""
 
 import xml.etree.ElementTree as ET
 

@@ -28,8 +28,9 @@ WATCHED = (("plant", 2), ("plant", 3), ("reference", 3), ("closed-loop", 3))
 @pytest.mark.parametrize("language", ["g++-c++98", "clang-c99"])
 @pytest.mark.slow
 def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
-    """Sources of all FMUs are compiled, each text once. The header of FMI 3.0 ends a list by a
-    comma, which C++98 does not allow.
+    """Sources of all FMUs are compiled, each text once.
+
+    The header of FMI 3.0 ends a list with a comma, which C++98 does not allow.
     """
     seen = set()
     for what, version in product(WHAT, (3, 2)):
@@ -60,9 +61,10 @@ def test_sources_are_c_and_cpp_for_every_compiler(tmp_path, language):
     ],
 )  # fmt: skip
 def test_rebuilt_from_its_own_sources(exported, tmp_path, what, version, compiler, flags, most):
-    """Unpack, compile what the build description lists, put the library in place: the same FMU.
+    """Unpack, compile the files in the build description, put the library in place: the same FMU.
 
-    It is linked without the flags: else the library makes its whole process flush small numbers.
+    It is linked without the flags; otherwise the library makes its whole process flush denormal
+    numbers.
     """
     path = exported(what, version, scenario="safe-simulation")
     with zipfile.ZipFile(path) as archive:
@@ -100,9 +102,9 @@ void *dlopen(const char *file, int flags) {
 @pytest.mark.slow
 @linux
 def test_the_battery_runs_clean_under_sanitizers(tmp_path, monkeypatch):
-    """AddressSanitizer and UndefinedBehaviorSanitizer under the whole suite of calls.
+    """AddressSanitizer and UndefinedBehaviorSanitizer with all calls.
 
-    FMUs are written here, since all of a process that the sanitizer watches takes thrice as long.
+    FMUs are written here, since a process under a sanitizer takes three times as long.
     """
     shallow = tmp_path / "shallow.so"
     command = [where("gcc"), "-shared", "-fPIC", "-x", "c", "-o", shallow, "-", "-ldl"]

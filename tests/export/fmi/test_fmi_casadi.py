@@ -1,4 +1,4 @@
-"""CasADi's own importer on our plant, and writing again what is fixed by now."""
+"""CasADi's own importer on our plant, and repeated writing of fixed values."""
 
 import zipfile
 
@@ -17,7 +17,7 @@ INPUT = {"plant": "tau_left", "nn": "v1"}
 
 @both
 def test_dae_builder_evaluates_the_plant_and_its_jacobian(exported, tmp_path, version):
-    """At another mass too; the file has the plant's graph, which `Function.load` reads."""
+    """Also at another mass.  The file has the plant's graph, which `Function.load` reads."""
     with zipfile.ZipFile(exported("plant", version)) as archive:
         archive.extractall(tmp_path)
     dae = ca.DaeBuilder("wmr_plant", str(tmp_path), {})
@@ -53,7 +53,7 @@ def test_a_fixed_parameter_may_be_written_again_with_its_own_value(raw, version,
 
 @both
 def test_the_seed_may_be_written_again_too(raw, version):
-    """It is an integer, which the runtime keeps as a double and gives as it was set."""
+    """It is an integer, which the runtime stores as a double and returns as it was set."""
     one = raw("closed-loop", version).new()
     for seed in (5, 2**31 - 1):
         assert one.integer("Set", "seed", seed) == (OK, seed) == one.integer("Get", "seed")

@@ -67,7 +67,7 @@ def seeds(names):
 
 @pytest.mark.parametrize("what, version, interface", FMI2 + FMI3)
 def test_derivatives_are_casadis(raw, what, version, interface):
-    """FMI 2 has no adjoint ones."""
+    """FMI 2 has no adjoint derivatives."""
     instance, unknowns, knowns, jacobian = setting(raw(what, version), what, interface)
     bound = 1e-12 * (1 + np.abs(jacobian).max())
     for seed in seeds(knowns):
@@ -82,7 +82,7 @@ def test_derivatives_are_casadis(raw, what, version, interface):
 
 
 def test_wrong_requests_are_refused(raw):
-    """Also any of a closed loop, which has no derivatives."""
+    """So is every request to a closed loop, which has no derivatives."""
     fmu, loop = raw("plant", 2), raw("closed-loop", 2)
     instance = fmu.new(ME).begin()
 

@@ -1,8 +1,8 @@
 """Every output of every kind of FMU has the bits of the native run's column of that name.
 
-Whatever effects act: all of the registry together, and each other form that their graphs have; FMI
-2 and FMI 3.  The closed loop runs by itself.  Reference, law, guard and plant are coupled in the
-native order; no column is chosen by hand.
+All effects of the registry act together, then each other form of their graphs; FMI 2 and FMI 3.
+The closed loop runs alone.  Reference, law, guard and plant are coupled in the native order.  No
+column is chosen by hand.
 """
 
 from functools import cache

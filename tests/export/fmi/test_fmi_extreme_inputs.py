@@ -14,7 +14,7 @@ every_law = pytest.mark.parametrize(
 
 
 def overflow(plant):
-    """A step that is taken back."""
+    """A step that is undone."""
     assert plant.put({"v1": 1.7e308}) == OK
     before = plant.begin().all()
     assert plant.step(0.0, 10.0) == DISCARD
@@ -37,7 +37,7 @@ def test_what_is_just_small_enough_gives_finite_outputs(raw, what, version):
 
 
 def test_a_step_that_overflows_is_taken_back_whole(raw):
-    """States are start values, and may be anything finite."""
+    """States are start values, which may be any finite numbers."""
     for version in (2, 3):
         one = raw("plant", version).new()
         overflow(one)
@@ -67,7 +67,7 @@ def test_a_closed_loop_that_overflows_gives_error_for_it_has_no_inputs(raw, vers
 
 
 def begins(fmu, name, *tries):
-    """Initialisation ends with the status that belongs to each value."""
+    """Assert that initialisation ends with the status that belongs to each value."""
     for value, status in tries:
         one = fmu.new()
         assert (one.put({name: value}), one.setup(), one.leave()) == (OK, OK, status)

@@ -48,7 +48,7 @@ def test_every_function_in_every_state(raw, what, version):
 )
 @pytest.mark.slow_but("reference-2", "closed-loop-3")
 def test_bad_steps(raw, what, version):
-    """Sizes and times that make no sense are refused at once, and the next good step is taken."""
+    """Invalid sizes and times are refused immediately, and the next valid step is taken."""
     fmu = raw(what, version)
     one = fmu.new().begin(stop=1.0)
     before = one.all()
@@ -108,7 +108,7 @@ def test_unknown_references_wrong_types_and_missing_places(raw, what, version):
 
 @everywhere
 def test_wrong_instances_and_experiments(raw, what, version):
-    """No name, another token, times that are none: the reason is told to whoever listens."""
+    """No name, another token, invalid times: the logger receives the reason."""
     fmu = raw(what, version)
     deaf = {"callbacks": None} if version == 2 else {"log": None}
     wrong = {"token": b"{other}"}, {"token": None}, {"name": None}, {"name": b""}
@@ -136,7 +136,7 @@ def test_wrong_instances_and_experiments(raw, what, version):
 
 
 def test_a_plant_step_too_short_for_a_closed_loop_is_refused(raw):
-    """More than 1e5 of them in a period, or no whole number of them."""
+    """More than 1e5 plant steps in a period, or not a whole number of them."""
     for version in (2, 3):
         fmu = raw("closed-loop", version)
         wrong, right = (0.01 / 2e5, 0.004, 0.02), (0.01, 0.01 / 1e4)
@@ -171,7 +171,7 @@ def test_states_of_solvers_must_be_numbers(raw):
 @given(script=st.lists(st.integers(0, 10_000), max_size=25))
 @pytest.mark.slow_but("nn-2")
 def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
-    """Whatever is called in whatever order: a status, and an instance that works after reset."""
+    """For any calls in any order: a status, and an instance that works after a reset."""
     fmu = raw(what, version)
     listed = calls(fmu)
     interface = fmu.interfaces[script[0] % len(fmu.interfaces)] if script else CS
@@ -184,7 +184,7 @@ def test_any_sequence_of_calls_ends_in_order(raw, what, version, script):
 
 
 def test_intermediate_updates_and_early_returns(raw):
-    """FMI 3: each internal step is shown; a return that is asked for happens there."""
+    """FMI 3: each internal step is reported; a requested return happens there."""
     seen, held = [], []
 
     @fmi3IntermediateUpdateCallback

@@ -1,4 +1,4 @@
-"""States: taken, put back, written as bytes, read elsewhere; damaged bytes are refused."""
+"""States of an FMU: taken, restored, serialised, read elsewhere; damaged bytes are refused."""
 
 import json
 import sys
@@ -56,7 +56,7 @@ def test_a_state_put_back_and_a_reset_give_the_same_continuation(raw, what, vers
 
 @every_fmu
 def test_a_state_brings_its_parameters_into_a_new_instance(raw, what, version):
-    """Where the model reads its numbers from is made anew with the state."""
+    """The tables that the model reads its numbers from are rebuilt with the state."""
     fmu = raw(what, version)
     names = {"robot.m", "gains.nn.rho1[1]", "limits.v_u2[1]", "ref_rate"}
     for name in names.intersection(fmu.variables):

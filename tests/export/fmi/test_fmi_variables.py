@@ -1,6 +1,6 @@
 """Variables of every FMU as importers see them: those of variables.txt, one line of a kind each.
 
-After a change that is meant: `python -m tests.export.fmi.test_fmi_variables`.
+After an intended change: `python -m tests.export.fmi.test_fmi_variables`.
 """
 
 import zipfile

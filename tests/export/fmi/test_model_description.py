@@ -95,7 +95,7 @@ def test_capabilities_are_declared(exported, what, version):
 )
 @pytest.mark.slow_but("plant-3", "nn-2")
 def test_structure_is_the_jacobians(exported, what, version):
-    """Outputs and rates name exactly the inputs and states that their derivative is not zero by."""
+    """Outputs and rates name exactly the inputs and states with a nonzero derivative."""
     description = read_model_description(str(exported(what, version)))
     system, is_plant = system_of(what), what == "plant"
     by = [*system.inputs, *(system.state if is_plant else ())]

@@ -77,7 +77,9 @@ def described(path):
 
 @pytest.mark.slow
 def test_a_flat_package_runs_alike_in_parallel_masters(flat):
-    """These masters pass values before the first step, unlike FMPy; libcosim gets no step size."""
+    """These masters pass values before the first step, unlike FMPy; libcosim receives no step
+    size.
+    """
     path, rows = str(flat("nn")), []
     plan = {"package": path, "steps": 300, "h": 0.01, "set": SET, "shown": SHOWN}
     for module, script in (("libcosimpy", LIBCOSIM), ("ecospy", ECOS)):
@@ -107,7 +109,9 @@ def test_a_flat_package_names_parts_and_nothing_else(flat):
 
 
 def test_a_connection_converts_by_the_row_that_gives_and_then_by_the_row_that_takes():
-    """Theirs px is ours by x = 0.5 px + 2, and is taken as pos = 10 x + 5; a renaming is none."""
+    """Their px becomes our x = 0.5 px + 2, which is passed on as pos = 10 x + 5; a renaming
+    converts nothing.
+    """
     rows = MapRow("x", (("px", 0.5),), 2.0), MapRow("theta", (("th", 1.0),))
     taken = MapRow("pos", (("x", 10.0),), 5.0), MapRow("angle", (("theta", 1.0),))
     parts = {
@@ -129,7 +133,7 @@ def test_a_connection_converts_by_the_row_that_gives_and_then_by_the_row_that_ta
 
 @pytest.mark.parametrize("row", ["theta", "psi"])
 def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, row):
-    """FMPy reads conversions and does not do them."""
+    """FMPy reads conversions but does not apply them."""
     outputs = ", ".join(f'{row if name == "theta" else name} = "{name}"' for name in STATE)
     inputs = 'tau_right = "tau_right", tau_left = "tau_left"'
     file = mapped(f"[plant]\ninputs = {{ {inputs} }}\noutputs = {{ {outputs} }}\n")
@@ -142,7 +146,7 @@ def test_an_export_says_where_a_connection_converts(exported, mapped, tmp_path, 
 
 
 def test_a_package_tells_its_step_size(flat):
-    """OMSimulator is told of a weakly coupled system with a fixed step, libcosim of a master."""
+    """OMSimulator receives a weakly coupled system with a fixed step, libcosim a master."""
     path = flat("pid", override(SHORT, {"clock.control": 0.02}))
     assert read_ssd(str(path), validate=True) is not None
     about = described(path)

@@ -33,7 +33,7 @@ def wanted_functions(version):
 
 @pytest.fixture
 def library_by(monkeypatch, tmp_path):
-    """A function (compiler, what, version) -> the FMU's library by it, without one by zig."""
+    """A function (compiler, what, version) -> the FMU's library by that compiler, or by zig."""
 
     def built(compiler, what, version):
         monkeypatch.setenv("WMR_CTRL_FMU_CC", compiler and where(compiler))
@@ -84,7 +84,7 @@ def test_five_platforms_in_one_file(tmp_path, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("target, suffix", [("x86_64-windows", ".exe"), ("aarch64-linux", "")])
 def test_libraries_of_other_platforms_compute_the_same_bits(tmp_path, target, suffix):
-    """Under wine, and under qemu, where that processor's dynamic linker and C library load it."""
+    """Under wine, and under qemu if that processor's dynamic linker and C library are available."""
     run = [where(*WINE)] if suffix else [where(*QEMU), "-L", str(ARM_LIBRARIES)]
     if not suffix and not ARM_LIBRARIES.is_dir():
         pytest.skip("NOT RUN: libc6-arm64-cross is not there")
@@ -93,9 +93,9 @@ def test_libraries_of_other_platforms_compute_the_same_bits(tmp_path, target, su
 
 
 def stepped(folder, target, suffix="", run=()):
-    """What 200 steps of a closed loop for a platform show, by a C program for that platform.
+    """Output of a C program on a platform that makes 200 steps of a closed loop.
 
-    Then what it says of a number out of range, with all its digits.
+    Then its message about a number out of range, with all digits.
     """
     (path,) = export_fmu("closed-loop", fmi=2, target=target, out=folder)
     with zipfile.ZipFile(path) as archive:

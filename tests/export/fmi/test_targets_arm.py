@@ -1,6 +1,6 @@
-"""FMUs of 64-bit ARM Linux: their folders, and what FMPy and our commands do there.
+"""FMUs of 64-bit ARM Linux: their folders, and the results of FMPy and our commands there.
 
-Commands run under the name of that machine, with code of this one;
+Commands run under the name of that machine, with code for this one;
 tests/export/fmi/test_targets.py runs that processor's own code.
 """
 

@@ -1,4 +1,4 @@
-"""WheeledRobot.mo: a Modelica compiler takes it, and its loops are the native ones."""
+"""WheeledRobot.mo: a Modelica compiler accepts it, and its loops are the native ones."""
 
 import math
 import re
@@ -62,7 +62,7 @@ def test_a_loop_in_modelica_is_the_native_loop(simulated, preset, law, stated):
 
 @pytest.mark.slow
 def test_the_disturbance_of_the_page_is_the_native_push(text, simulated):
-    """A constant thrust, for as long as the robot does not turn back."""
+    """A constant thrust, until the robot reverses."""
     page = (ROOT / "docs" / "modelica.md").read_text("utf-8")
     (model,) = re.findall(r"(?s)block Push.*?end Pushed;", page)
     found = simulated(f"{text}{model}", "Pushed", 1.0)
@@ -76,7 +76,7 @@ def test_the_disturbance_of_the_page_is_the_native_push(text, simulated):
 @pytest.mark.parametrize("name", ['a "quoted" one', '</html>"\nb\\'])
 @pytest.mark.slow
 def test_a_name_cannot_end_a_string(text, name):
-    """Only what is said of the scenario differs."""
+    """Only the texts about the scenario differ."""
     named = modelica_package(replace(load_scenario(NOMINAL), name=name))
     ours, theirs = (re.sub(r'"(?:\\.|[^"\\])*"', '""', item) for item in (text, named))
     assert ours == theirs
@@ -120,7 +120,9 @@ def test_a_second_reader_takes_it(text):
 
 
 def test_nothing_that_a_tried_compiler_overlooks(text):
-    """Numbers begin with a digit, Reals are compared in functions alone, protection is kept."""
+    """Numbers begin with a digit, only functions compare Reals, and protected sections stay
+    protected.
+    """
     code = re.sub(r'"[^"]*"', '""', text)
     _functions, rest = code.split("  end Functions;")
     assert not re.search(r"(?<![\w\]])\.\d", code)
@@ -137,7 +139,7 @@ def test_nothing_that_a_tried_compiler_overlooks(text):
 
 
 def test_connected_ports_have_one_unit(text):
-    """The compiler that was tried does not look."""
+    """The tried compiler does not check this."""
     units = {}
     for part, body in re.findall(r"partial block (\w+) .*?\n(.*?)    end \1;", text, flags=re.S):
         units[part.lower()] = dict(re.findall(r'(\w+)\(unit = "([^"]+)"\)', body))

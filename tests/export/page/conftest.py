@@ -1,7 +1,7 @@
-"""The page that the tests look at, written once.
+"""The page for these tests, written once.
 
-It is compiled without optimising, with some laws and the corridor of one, and for two of the delays
-that are offered; tests/bits compares the bits of both levels, and test_story.py has a page's
+It is compiled without optimisation, with some laws and the corridor of one, and for two of the
+offered delays. tests/bits compares the bits of both levels, and test_page_story.py has a page's
 corridors.
 """
 

@@ -52,9 +52,9 @@ def assert_same_bits(shown, run):
 
 @pytest.mark.slow
 def test_laws_in_every_scene(page, laws, tmp_path):
-    """Runs last 80 s, as the scenario says, with noise, changes, the guard, a pose every 100 ms.
+    """Runs last 80 s, as in the scenario, with noise, changes, the guard, and a pose every 100 ms.
 
-    Each scene runs every other law of the page, in turns.
+    The scenes run the other laws of the page in turn.
     """
     cases = [(law, step) for k, step in enumerate(story()) for law in laws[k % 2 :: 2]]
     shown = from_page(page, tmp_path, [(law, 80.0, {"scene": step.key}) for law, step in cases])

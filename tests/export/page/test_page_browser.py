@@ -19,7 +19,7 @@ def opened(page, tmp_path_factory):
 
 @pytest.fixture
 def shown(opened):
-    """The page's first scene, standing still at its start; then nothing may have been said."""
+    """The page's first scene, paused at its start; no error may have been reported."""
     one, url = opened
     show(one, url)
     yield one

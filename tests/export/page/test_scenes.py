@@ -36,7 +36,7 @@ def swinging(stated):
 
 
 def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path):
-    """Nor does a base without noise have that of a circle with noise."""
+    """For example, a base without noise does not have the title of a circle with noise."""
     file = tmp_path / "mine.toml"
     file.write_text('extends = "paper-simulation"\nbase.kind = "velocity"\ndisturbance.std = 0.0\n')
     titles = {
@@ -58,7 +58,7 @@ def test_a_page_has_no_title_of_a_preset_with_other_numbers(tmp_path):
     ids=["burger", "jackal", "band", "late"],
 )
 def test_a_base_has_the_filters_that_hold_for_it(scenario, ways):
-    """One that overshoots has slow commands, too."""
+    """A base that overshoots also gets slow commands."""
     members = members_of(scenario, ["pursuit"])
 
     assert [item.name for item in members] == [
@@ -68,7 +68,7 @@ def test_a_base_has_the_filters_that_hold_for_it(scenario, ways):
 
 
 def test_members_have_the_slew_that_is_stated_and_laws_their_own_limits():
-    """A robot that takes torques is there once for each law."""
+    """A base that takes torques has one robot for each law."""
     slow = members_of(swinging('filter.kind = "clip"; filter.slew = [0.1, 0.3]'), ["pursuit"])
     shown = {item.name: item.overrides["filter.slew"] for item in slow}
     own = members_of(BURGER, ["prox", "kanayama"])

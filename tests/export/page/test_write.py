@@ -1,4 +1,4 @@
-"""What cannot be written is refused before anything is compiled."""
+"""Impossible pages are refused before anything is compiled."""
 
 import pytest
 

@@ -57,7 +57,7 @@ def tuned(law, scenario):
 
 
 def played(folder, law, *options, compiler=("gcc", "-std=c99"), ends=0):
-    """Lines that a play of the S-function prints, if it ends with the status ``ends``."""
+    """Lines printed by a simulated run of the S-function, if it ends with the status ``ends``."""
     sources = [f"sfun_wmr_{law}.c", f"wmr_{law}.c"]
     command = [where(compiler[0]), *compiler[1:], *STRICT, *options, f"-I{HERE / 'mock'}", "-I."]
     finished([*command, *sources, "-o", "play", "-lm"], cwd=folder)
@@ -69,7 +69,7 @@ def played(folder, law, *options, compiler=("gcc", "-std=c99"), ends=0):
 )
 @pytest.mark.slow
 def test_the_s_function_plays_the_laws_vectors(tmp_path, law, compiler):
-    """Memory moves in mdlUpdate alone, and a run may be saved; no finite input ends in an error."""
+    """Only mdlUpdate changes memory, and a run may be saved; no finite input causes an error."""
     written(tmp_path, law)
     first, *rest = played(tmp_path, law, compiler=compiler)
     period, worst, count = map(float, first.split())
@@ -96,7 +96,9 @@ def test_a_number_in_the_dialog_is_that_number_in_an_export(tmp_path, law, guard
 
 @pytest.mark.slow
 def test_the_dialog_refuses_by_name(tmp_path):
-    """Not a number, one number too many, a text: each with the name; the right one is taken."""
+    """Not a number, one number too many, a text: each refusal has the name; the right value is
+    accepted.
+    """
     written(tmp_path, "mb", SAFE)
     lines, ports = played(tmp_path, "mb", "-DMOCK_OLD")[3:], tuned("mb", SAFE)
     assert len(lines) == 4 * len(ports)
@@ -175,7 +177,7 @@ def test_the_kit_is_written_and_says_what_was_tried(tmp_path):
 
 
 def test_a_number_without_ends_may_be_any():
-    """Ends beyond what any number of ours may be are none."""
+    """Bounds beyond the largest allowed number count as none."""
     port = Port(Signal("some.gain", "1", "a gain"), ca.SX.sym("g"), (2.0,))
 
     assert _parameter(port, None)["wanted"] == "a number"

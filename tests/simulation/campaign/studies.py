@@ -27,7 +27,7 @@ REAL = {
 
 
 def figures(chunk, jobs=None):
-    """Numbers that depend on the case and the seed alone; now and then none."""
+    """Numbers that depend only on the case and the seed; sometimes none."""
     rows = []
     for case, seed in chunk.runs:
         mass, mu = case.overrides["robot.m"], case.overrides["robot.mu"]
@@ -45,7 +45,7 @@ def table_of(out, **changes):
 
 
 def refuse_after(count, error):
-    """Makes so many chunks and then fails."""
+    """Make a given number of chunks and then fail."""
     left = [count]
 
     def make(chunk, jobs=None):

@@ -14,7 +14,9 @@ PACE = {"pid": 0.1, "smc": 0.3, "mb": 0.05, "nn": 0.2}
 
 
 def simulate(scenario, law, seed):
-    """A distance that decays, a wiggle that depends on the seed, a limit broken by PID and SMC."""
+    """A distance that decays, an oscillation that depends on the seed, a limit broken by PID and
+    SMC.
+    """
     t = 0.1 * np.arange(800)
     wiggle = 0.01 * np.sin(t + seed)
     gap = 0.7 * np.exp(-PACE.get(law, 0.1) * t) + wiggle
@@ -61,7 +63,7 @@ def made_up(simulate=simulate, asked=lambda case: None):
 
 
 def in_turn(runs, then, jobs=None, progress=None):
-    """A stand-in for what runs many loops at a time."""
+    """A stand-in for the functions that run many loops together."""
     results = []
     for place, (loop, seed) in enumerate(runs):
         results.append(then(place, loop(seed)))

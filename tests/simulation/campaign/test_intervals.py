@@ -1,4 +1,4 @@
-"""Confidence intervals against their definitions, and how often a rule that stops is right."""
+"""Confidence intervals against their definitions, and how often a stopping rule is right."""
 
 import math
 
@@ -10,7 +10,7 @@ from wmr_ctrl.simulation.campaign.intervals import StopRule, bootstrap, of_share
 
 
 def at_most(hits, count, share):
-    """Probability of at most so many hits."""
+    """Probability of at most this number of hits."""
     return sum(math.comb(count, k) * share**k * (1 - share) ** (count - k) for k in range(hits + 1))
 
 

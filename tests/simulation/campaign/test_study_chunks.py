@@ -1,4 +1,4 @@
-"""Who makes a study's chunks: threads, processes, clusters of Dask; the table is the same."""
+"""Executors of a study's chunks: threads, processes, clusters of Dask; the table is the same."""
 
 import pickle
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -23,7 +23,9 @@ def test_the_table_does_not_depend_on_the_executor(tmp_path, kind):
 
 
 def test_a_worker_s_error_comes_back_as_it_is(tmp_path):
-    """Dask prints what is raised in a worker: the error is sent back in place of rows."""
+    """Dask would print an exception raised in a worker, so the error is returned in place of
+    rows.
+    """
     with ThreadPoolExecutor(1) as pool, pytest.raises(ScenarioError, match=r"clock\.plant"):
         wmr_ctrl.study({**REAL, "grid": {"clock.control": [0.0105]}}, tmp_path, executor=pool)
     chunk = StudyChunk(((PlannedCase("far-start", "mb"), 0),), ("violated",))
@@ -36,7 +38,7 @@ def test_a_worker_s_error_comes_back_as_it_is(tmp_path):
 
 @pytest.mark.slow
 def test_processes_of_a_local_cluster_give_the_same_bytes(tmp_path):
-    """And so does a scheduler that is named, here with a worker in this process."""
+    """So does a named scheduler, here with a worker in this process."""
     distributed = pytest.importorskip("distributed")
     here = wmr_ctrl.study(REAL, tmp_path / "a").table.read_bytes()
     there = wmr_ctrl.study({**REAL, "chunk": 2}, tmp_path / "b", executor="dask", jobs=2)

@@ -45,7 +45,9 @@ IDENTITY = plan_of({**PLAN, "seeds": {"count": 5}}).identity
 
 
 def test_the_points_of_a_latin_hypercube_lie_anywhere_in_their_strata():
-    """Uniform within: mean 1/2, standard deviation 1/sqrt(12), each to five standard errors."""
+    """Within a stratum they are uniform: mean 1/2, standard deviation 1/sqrt(12), each to five
+    standard errors.
+    """
     sample = plan_of({**PLAN, "sample": {"n": 400, "robot.mu": [0.0, 1.0]}}).sample
     within = sample.points[:, 0] * 400 % 1.0
 

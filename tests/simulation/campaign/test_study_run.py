@@ -1,4 +1,4 @@
-"""Studies: the same bytes whoever runs them, however often they are interrupted; honest stops."""
+"""Studies: the same bytes for any executor and any interruptions; correct stops."""
 
 import csv
 import json
@@ -102,7 +102,7 @@ def test_rows_are_the_runs_that_they_name(tmp_path):
 
 
 def test_an_error_that_does_not_depend_on_the_guard_is_raised(tmp_path):
-    """The guard's runs and the others end in the same words."""
+    """Runs with and without the guard end with the same message."""
     wrong = {**REAL, "grid": {"clock.control": [0.0105]}}
     told = []
     for guard in (True, False):

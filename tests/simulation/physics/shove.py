@@ -1,4 +1,4 @@
-"""A single push along the heading, as another package would add it; the guard is not told of it."""
+"""A single push along the heading, as another package would add it; the guard does not know it."""
 
 from __future__ import annotations
 

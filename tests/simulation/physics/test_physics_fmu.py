@@ -40,7 +40,9 @@ def test_the_body_in_c_is_the_body_in_python_to_the_bit(tmp_path):
 
 
 def same_in_both(case, plant, map_file, names):
-    """A run on the rigid body, whose columns the coupled one on its FMU has to the bit."""
+    """Assert that the coupled run on the FMU has the columns of the run on the rigid body, to the
+    bit.
+    """
     coupled = cosimulate(case, "mb", plant=plant, map_file=map_file, seed=12)
     native = simulate(case, "mb", plant="mujoco", seed=12)
     for name in names:
@@ -58,7 +60,7 @@ def test_in_fmpy_it_is_the_run_on_the_rigid_body_to_the_bit(tmp_path):
 
 @pytest.mark.slow
 def test_encoders_on_a_foreign_plant_see_its_wheels(tmp_path):
-    """Wheels that spin too: the map's rows for path and skid tell how they turn."""
+    """Also with spinning wheels: the map's rows for path and skid state their rotation."""
     case = load_scenario("paper-simulation-no-switch", {"clock.duration": 3.0, **ENCODERS})
     plant, names = build_rigid(case, tmp_path)
     with pytest.raises(ArgumentError, match="path"):

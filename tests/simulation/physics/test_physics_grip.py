@@ -1,4 +1,4 @@
-"""Grip: torques at which wheels spin and lift, and torques limited to what tyres pass on."""
+"""Grip: torques at which wheels spin and lift, and torques limited to what tyres can transmit."""
 
 import pytest
 
@@ -19,7 +19,7 @@ ROBOTS = (
 
 
 def pulled(case, torque, steps):
-    """Largest slip [m/s] and tilt [rad] of a robot that pulls away within 50 ms."""
+    """Largest slip [m/s] and tilt [rad] of a robot in the first 50 ms after its start."""
     body, slip, tilt = RigidBody(case), 0.0, 0.0
     for k in range(steps):
         share = min(1.0, k / 50)
@@ -109,7 +109,7 @@ def test_the_guard_s_promise_on_a_rigid_body(law):
 
 
 def test_without_traction_there_is_none():
-    """Wheels that spin take the robot where no bound of the guard admits it to go."""
+    """With spinning wheels the robot moves in a way that no bound of the guard admits."""
     run = simulate("paper-simulation", "mb", guard=True, plant="mujoco", overrides=BOUNDED)
     assert run.monitor.rigid.slipped is not None
     assert run.monitor.bounds_left is not None

@@ -24,7 +24,7 @@ def driven(body, right, left, steps, thrust=0.0, moment=0.0):
 
 
 def rolling_mass(case):
-    """Mass with what turns: a disc's m r^2/2 over r^2, for two wheels."""
+    """Mass plus that of the rotating wheels: a disc's m r^2/2 over r^2, twice."""
     return case.robot.m + case.body.wheel_mass
 
 
@@ -60,7 +60,9 @@ def test_a_line_of_contact_scrubs_where_a_point_does_not():
 
 @pytest.mark.parametrize("tyre, torque", [(0.3, 15.0), (0.8, 35.0)])
 def test_spinning_wheels_push_with_what_the_tyres_give(tyre, torque):
-    """The back caster takes the torques' reaction off the wheels, and the rest is mu N."""
+    """The torques' reaction shifts load from the wheels to the back caster; the thrust is mu N of
+    the rest.
+    """
     case, steps = scenario(f"body.tyre = {tyre}; body.caster = 2.0; body.grip = 0.1"), 300
     robot = case.robot
     net = 2 * (torque - robot.mu * robot.m * robot.g * robot.r / 2)

@@ -24,7 +24,7 @@ SHORT = {"clock.duration": 4.0, "actuator.tau_max": 10.0}
     """),
 )
 def test_the_loop_without_its_plant_is_the_native_loop_to_the_bit(law, told):
-    """Shown the states of a native run, it logs what that run logged."""
+    """Given the states of a native run, it logs the same."""
     chosen = preset("paper-simulation", "clock.duration = 2.0", told)
     run = simulate(chosen, law, seed=5)
     loop = runnable(chosen, law, "mujoco")

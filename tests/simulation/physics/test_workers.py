@@ -1,4 +1,4 @@
-"""Many runs on the rigid body: one table, whoever makes it and however many at a time."""
+"""Many runs on the rigid body give one table, for any number of workers."""
 
 import os
 import sys

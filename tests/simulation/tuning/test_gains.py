@@ -1,4 +1,4 @@
-"""Runs that tuning makes, and the result that it takes from them; the tests make up the runs."""
+"""Runs that tuning makes, and its result; the tests supply made-up runs."""
 
 import math
 from dataclasses import replace
@@ -48,7 +48,7 @@ def runs(monkeypatch):
 def test_the_cost_is_of_three_robots_without_guard_that_believe_what_the_scenario_does(
     guarded, runs, stated
 ):
-    """Where no model is stated, the robot's own."""
+    """If no model is stated, the model is the robot."""
     if not stated:
         guarded = replace(guarded, model=Model(mu=0.07))
     m, inertia = (50.0, 5.0) if stated else (55.0, 6.0)

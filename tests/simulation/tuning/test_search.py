@@ -20,7 +20,7 @@ def scenario():
 
 
 def test_it_begins_with_the_start_and_goes_no_farther_than_thirty_times():
-    """However much less it costs to be farther."""
+    """However small the cost farther away is."""
     search, most = Search({"a": (1.0,), "b": (2.0, 3.0)}), 0.0
     for generation in range(40):
         asked = search.ask()
@@ -41,7 +41,9 @@ def test_a_plan_has_a_trial_and_a_finite_weight_of_zero_or_more(scenario, wrong)
 
 
 def test_gains_that_are_worse_at_last_are_not_taken(scenario, monkeypatch, tmp_path):
-    """The search finds a set that costs less, and which costs more when both are run at last."""
+    """The search finds a set with a lower cost, which turns out higher when both are run at the
+    end.
+    """
     calls = []
 
     def costs(plan, sets, jobs):

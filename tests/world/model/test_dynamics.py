@@ -1,4 +1,4 @@
-"""Dynamics against the mathematics that defines them."""
+"""Dynamics against their mathematical definitions."""
 
 import math
 
@@ -12,7 +12,7 @@ SCENARIO = load_scenario("paper-simulation-nominal")
 
 
 def test_rates_are_those_of_newton():
-    """Wheels of 3.2 N m and -0.9 N m, a push, and friction that is as large as it gets."""
+    """Wheels of 3.2 N m and -0.9 N m, a push, and the largest friction."""
     system = plant(SCENARIO)
     rate = system.function("rate", [system.update])
     found = rate((3, -1, 0.2, 0.1, 7, -0.4), (0, 0, 0.3, 0.4, 0.8), system.p0).full().ravel()

@@ -1,4 +1,4 @@
-"""A function read into single assignments: equal values once, choices as one operation."""
+"""A function read as single assignments: equal values once, choices as one operation."""
 
 import casadi as ca
 import pytest

@@ -1,4 +1,4 @@
-"""Kinematics against the mathematics that defines them."""
+"""Kinematics against their mathematical definitions."""
 
 import casadi as ca
 import numpy as np

@@ -45,7 +45,7 @@ def test_at_no_time_there_are_no_samples():
 def test_robot_can_follow_it_without_slipping(reference):
     """q_d' = H(theta_d) v_d, Eqs. (4)-(5), and v_d' is the rate of v_d, by exact derivatives.
 
-    At random times over three cycles of a reference, or over a minute.
+    Tested at random times over three cycles of a reference, or over a minute.
     """
     scenario = along(reference)
     system, cycle = scenario.reference_kind.build(scenario), scenario.reference.cycle

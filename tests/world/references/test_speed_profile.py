@@ -1,4 +1,4 @@
-"""Goals: limits along the path are kept, little time is given away, and the motion ends at rest."""
+"""Speed profiles keep the limits along the path, waste little time, and end at rest."""
 
 import math
 from itertools import pairwise

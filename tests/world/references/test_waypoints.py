@@ -1,4 +1,4 @@
-"""Waypoints: points that are left out, and closed paths."""
+"""Waypoints: omitted points, and closed paths."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ def way(**changed):
 
 
 def test_of_many_points_half_of_the_tolerance_is_for_those_left_out():
-    """A corner of 250 points either way is cut by the other half."""
+    """A corner between 250 points on either side is cut by the other half."""
     side = np.linspace(0.0, 2.0, 250)
     points = [*([x, 0.0] for x in side), *([2.0, y] for y in side[1:])]
     few, many = (

@@ -1,4 +1,4 @@
-"""Parameters of controllers, of nav2 and of Gazebo, and what counts where they disagree."""
+"""Parameters of controllers, of nav2 and of Gazebo, and which one counts if they disagree."""
 
 import pytest
 
@@ -96,7 +96,7 @@ def test_multiplier_of_ros_1_stretches_the_track_of_the_description(tmp_path):
 
 
 def test_a_path_follower_that_never_reverses(tmp_path):
-    """Also where it has a least speed: a base must be allowed to stop."""
+    """Also with a least speed, since a base must be allowed to stop."""
     for least in ("0.0", "0.08"):
         text = NAV2.replace("velocity_smoother", "x").replace("vx_min: 0.0", f"vx_min: {least}")
         found = values(tmp_path, text, name="{}.yaml")

@@ -108,7 +108,7 @@ def test_four_wheels_drive_and_casters_do_not(tmp_path):
 
 
 def test_wheels_that_are_steered_drive_no_side(tmp_path):
-    """Casters larger than the driven wheels, and the front of a car."""
+    """Casters larger than the driven wheels, and the front wheels of a car."""
     for x in (0.2, 0.3):
         turned = [
             f'<link name="{side}"/><joint name="{side}_turns" type="{kind}"><parent link="base"/>'

@@ -1,4 +1,4 @@
-"""``wmr-ctrl new``: a file that loads, is checked and drives, whatever was found."""
+"""``wmr-ctrl new``: a file that loads, is checked and drives, for any robot files."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Whatever is wrong in a scenario: one paragraph, the key first, then the rule and a remedy."""
+"""Any error in a scenario gives one paragraph: the key first, then the rule and a remedy."""
 
 import re
 

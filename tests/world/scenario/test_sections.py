@@ -1,7 +1,7 @@
 """Every key has the default, unit and range listed in `keys.txt`.
 
-So a file that leaves a key out keeps its meaning. After an intended change,
-`python -m tests.world.scenario.test_sections` writes the list again.
+So a file that omits a key keeps its meaning.  After an intended change, `python -m
+tests.world.scenario.test_sections` writes the list again.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Values that look like a slip of units are asked about, with the unit that may be meant."""
+"""Values with a probably mistaken unit lead to a question, with the unit that may be meant."""
 
 import pytest
 

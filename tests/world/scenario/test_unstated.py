@@ -85,7 +85,7 @@ def test_a_velocity_base_needs_only_keys_that_are_read(text, needed):
 
 @pytest.mark.parametrize("law", ["kanayama", "pursuit"])
 def test_no_motion_depends_on_a_placeholder(law):
-    """To the bit where it is a power of two, which rounds nothing."""
+    """To the bit if the placeholder is a power of two, which causes no rounding."""
     scenario = override(
         from_dict(VELOCITY), {"clock.duration": 3.0, "initial.pose": [0.1, -0.2, -1]}
     )

@@ -1,1 +1,1 @@
-"""The rigid body as somebody else's FMU: built from C around MuJoCo's library, for the tests."""
+"""The rigid body as another author's FMU: built from C around MuJoCo's library, for the tests."""

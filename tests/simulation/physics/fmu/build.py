@@ -1,4 +1,4 @@
-"""Packs rigid.c, compiled against the library of the wheel, with a scenario's body into an FMU."""
+"""Builder of an FMU from rigid.c, the library of the wheel, and a scenario's body."""
 
 import sys
 import tempfile
@@ -64,7 +64,7 @@ def build_rigid(scenario, folder):
 
 @cache
 def library():
-    """The compiled library, which finds MuJoCo's where the wheel has it."""
+    """The compiled library, which finds MuJoCo's library inside the wheel."""
     home = Path(mujoco.__file__).parent
     (shared,) = home.glob("libmujoco.so.*")
     compiler = where("cc", "gcc", "clang")
