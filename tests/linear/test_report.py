@@ -1,11 +1,13 @@
 """The report: keys, plain data, text and figures, for every law."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
 import pytest
 
 from wmr_ctrl.core.errors import ArgumentError
+from wmr_ctrl.theory.checks.stable_ranges import MASSES
 from wmr_ctrl.theory.linear import report_linear
 from wmr_ctrl.theory.linear.state_space import constant_speed
 from wmr_ctrl.world.references import Lemniscate
@@ -47,6 +49,15 @@ def test_a_reference_that_changes_speed_and_a_guard_that_is_left_out_are_reporte
     assert [("time-varying" in page.table()) for page in (steady, changing)] == [False, True]
     assert steady.to_json()["guard"] == "left out"
     assert "guard is left out" in steady.table()
+
+
+@pytest.mark.parametrize("span, said", [
+    ((1 / MASSES, MASSES), "all that were tried"), ((1 / MASSES, 3.0), f"{1 / MASSES:.3g} to 3"),
+])  # fmt: skip
+def test_masses_that_are_stable_are_named_unless_all_are(report_of, span, said):
+    page = replace(report_of("pid"), mass_range=span).table()
+
+    assert re.search(rf"true over believed mass at \S+ s +{said}$", page, re.MULTILINE)
 
 
 def test_a_time_is_one_of_the_run(nominal):

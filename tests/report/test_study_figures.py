@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.report.study_figures import _bins, _by_group, _indices, _maps
+from wmr_ctrl.report.study_shares import shares_of
 from wmr_ctrl.report.study_table import StudyTable
 from wmr_ctrl.simulation.campaign.study_plan import plan_of
 
@@ -22,7 +23,7 @@ WHEELS = "guard: the wheels cannot hold the robot: {:g} > 2 is needed, but 1 > 2
 
 def table_of(value, refused=None, **changes):
     """The table of a plan whose figure is ``value(row)``; ``refused(row)``: rows without one."""
-    plan = plan_of({**PLAN, **changes})
+    plan = plan_of({key: value for key, value in {**PLAN, **changes}.items() if value})
     cells = [(index, *plan.values(index // plan.seeds)) for index in range(plan.runs)]
     rows = [
         {**dict(zip(("index", *plan.keys), cell, strict=True)),
@@ -106,3 +107,14 @@ def test_panels_leave_as_few_places_empty_as_can_be(laws, empty):
     shown = [axes.axison for axes in figure.axes[:-1]]
 
     assert shown.count(False) == empty
+
+
+@pytest.mark.parametrize("grid, sample, points", [
+    (PLAN["grid"], {}, [", clock.control = 0.005", ", clock.control = 0.01"]),
+    (PLAN["grid"], PLAN["sample"], [""]), ({}, {}, [""]),
+])  # fmt: skip
+def test_shares_are_by_point_where_a_grid_is_all_that_changes(grid, sample, points):
+    table = table_of(lambda row: 1.0, grid=grid, sample=sample)
+    laws = ("mb, guarded", "prox, guarded")
+
+    assert [one.cell for one in shares_of(table)] == [law + at for law in laws for at in points]

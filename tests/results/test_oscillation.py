@@ -5,6 +5,7 @@ import pytest
 
 from tests.results.conftest import build
 from wmr_ctrl.results.oscillation import KEPT, fast_swing_rms, oscillation
+from wmr_ctrl.results.remarks import remarks_on
 
 
 @pytest.mark.parametrize("count", [100, 101])
@@ -26,6 +27,13 @@ def test_a_swing_of_a_thousandth_of_a_newton_metre_is_none(size, told):
     swing = size * np.sin(np.arange(200) * 2 * np.pi / 10)
 
     assert (oscillation(build(duration=2.0, tau_right=swing)) is not None) is told
+
+
+def test_a_remark_counts_the_samples_of_a_period():
+    swing = np.sin(np.arange(200) * 2 * np.pi / 10)
+    said = " ".join(one.text for one in remarks_on(build(duration=2.0, tau_right=swing)))
+
+    assert "at 10 Hz, 10 samples a period" in said
 
 
 @pytest.mark.parametrize("periods, told", [(40, True), (10, False)])

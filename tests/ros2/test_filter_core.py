@@ -8,7 +8,7 @@ from tests.tables import changes
 from wmr_ctrl.control.filter.gate import GateSettings
 from wmr_ctrl.ros2.clocks import BACK, FORTH, FROZEN, Clocks, Moment
 from wmr_ctrl.ros2.diagnosis import ERROR, OK, WARN, judged, rivals, two_senders
-from wmr_ctrl.ros2.filter_core import FilterCore
+from wmr_ctrl.ros2.filter_core import FilterCore, node_templates
 from wmr_ctrl.world.scenario import load_scenario
 
 TICK = 20 * MS
@@ -250,3 +250,13 @@ def test_a_step_is_in_time_within_the_stated_jitter_and_not_a_tick_more():
             world.wait(TICK + off)
             told.append("late" in world.core.tick(world.now()).flags)
         assert told == late
+
+
+@pytest.mark.parametrize(
+    "text, literal",
+    [("scan", '"scan"'), ('a"b\\?', r'"a\042b\134\077"'), ("é\n", r'"\303\251\012"')],
+)
+def test_a_text_in_c_is_plain_ascii(text, literal):
+    template = node_templates().from_string("{{ text | quoted }}")
+
+    assert template.render(text=text) == literal
