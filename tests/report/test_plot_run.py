@@ -22,7 +22,7 @@ from wmr_ctrl.report.run_rows import rows_of
 from wmr_ctrl.report.scene import scene_of
 from wmr_ctrl.report.stage import frames
 from wmr_ctrl.results import Monitor
-from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_ctrl.world.scenario import load_scenario, override, to_toml
 
 STOPPED = Monitor((1000.0, 2.0), 5, (0.02, 1), (0.05, 1), "diverged")
 
@@ -48,6 +48,18 @@ def test_a_name_is_no_formula(tmp_path, monkeypatch):
     next(frames(scene_of([run], 1)))
 
     assert name.replace("\n", " ") in unescape(path.read_text("utf-8"))
+
+
+@pytest.mark.parametrize("wall", [None, ((4.0, -1.0), (4.0, 1.0))])
+def test_a_run_among_obstacles_shows_where_its_body_ends(wall):
+    obstacles = {"world.wall": wall} if wall else {}
+    stated = override(load_scenario("paper-simulation"), {**obstacles, "body.radius": 0.2})
+    run = build(duration=1.0, provenance={"scenario_toml": to_toml(stated)})
+    (map_,) = (item for item in plot_run(run).axes if "ring" in item.get_title("left"))
+    circles = [item for item in map_.patches if not item.get_fill()]
+    assert ("circle: end" in map_.get_title("left")) is bool(circles) is (wall is not None)
+    for item in circles:
+        assert (*item.center, item.radius) == (run["x"][-1], run["y"][-1], 0.2)
 
 
 def test_an_empty_run_is_refused(tmp_path):

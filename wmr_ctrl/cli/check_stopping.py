@@ -111,7 +111,7 @@ def _leaving(case: Scenario) -> Iterator[str]:
             f"it leaves what is near only from {length(leaves_from(case))} on, as told, which it "
             f"may roll or be come nearer when a command is let go: {why} what a held command gains"
         )
-    elif any(settings.d):
+    elif settings.d[0]:
         found = {place: own for way, place in words.items() if (own := leaving(case, way))}
         if len(found) == 2 and len({*found.values()}) == 1:
             found = {"what is near": found[words[-1]]}

@@ -28,12 +28,13 @@ MOST_WAYPOINTS = 60
 
 @dataclass(frozen=True)
 class Course:
-    """Waypoints and goal [m], obstacles, and half the robot's track [m], if known."""
+    """Waypoints and goal [m], obstacles, half the robot's track, and its body's radius [m]."""
 
     waypoints: tuple[tuple[float, float], ...] = ()
     goal: tuple[float, float] | None = None
     keep_out: tuple[Shape, ...] = ()
     half_track: float | None = None
+    radius: float | None = None
 
     def draw(self, axes: Axes) -> list[str]:
         """Draw it on a map; returns the legend of its marks."""
@@ -49,6 +50,14 @@ class Course:
             marks.append("star: goal")
         return marks
 
+    def draw_end(self, axes: Axes, run: Run, colour: str) -> bool:
+        """Draw the body where a run among obstacles ends; False where there are none."""
+        if self.radius is None or not self.keep_out:
+            return False
+        end = run["x"][-1], run["y"][-1]
+        axes.add_patch(CirclePatch(end, self.radius, fill=False, ec=colour, lw=1.2, zorder=3.7))
+        return True
+
 
 def course_of(run: Run) -> Course:
     """The course of a run, as far as its scenario is known."""
@@ -61,7 +70,8 @@ def course_of(run: Run) -> Course:
     points = reference.points if isinstance(reference, Waypoints) else ()
     shown = points if len(points) <= MOST_WAYPOINTS else ()
     waypoints = tuple((float(x), float(y)) for x, y in shown)
-    return Course(waypoints, goal, scenario.obstacles, drawn_half_track(scenario))
+    half_track, radius = drawn_half_track(scenario), scenario.body.radius
+    return Course(waypoints, goal, scenario.obstacles, half_track, radius)
 
 
 def drawn_half_track(scenario: Scenario) -> float:

@@ -119,7 +119,10 @@ def draw_paths(part: SubFigure, lines: Lines, tube: Floats | None = None) -> Non
         axes.plot(*way, color=colour, ls=dash, lw=1.2, alpha=opaque)
         drawing.mark_start(axes, *way)
     drawing.plot_reference(axes, longest["x_d"], longest["y_d"])
-    marks = course.course_of(longest).draw(axes)
+    among = course.course_of(longest)
+    marks = among.draw(axes)
+    if all(among.draw_end(axes, run, colour) for run, colour, _ in lines.values()):
+        marks.append("circle: end")
     drawing.finish_path(axes, ["dots: reference, ring: start", *marks])
 
 

@@ -100,7 +100,7 @@ class Channel:
 
 
 FREE = Signal(
-    "free", "m, m, rad, rad", "free way ahead and behind, left and right; inf: no limit", 4
+    "free", "m, m, rad, rad", "free way ahead and behind, left and right; 1e12: no limit", 4
 )
 FREE_AGE = Signal("free_age", "s", "age of the free ways; negative: none is told")
 TOLD = (LIMITS, FREE, FREE_AGE)
