@@ -103,6 +103,16 @@ def test_a_brake_behind_a_dead_band_keeps_the_limit():
         assert abs(v) <= 1
 
 
+def test_a_brake_that_late_turning_keeps_open_keeps_the_limit():
+    """Commands of v act at once, those of omega 0.4 s later; a push drives v on meanwhile."""
+    own = "filter.d = [0.2, 0.2]; filter.rest = 0.1; filter.delay = [[0, 0], [0.4, 0.4]]"
+    governor, v = CommandFilter(load_scenario("paper-simulation", PLAIN | changes(own))), 0.2
+    for asked in [(0.0, 0.5)] * 12 + [(0.0, 0.0)] * 6 + [(9.0, 0.0)] * 2:
+        u = governor.step(asked).command[0]
+        v = 1.1 * u + 0.2 + math.exp(-0.05 / 0.2) * (v - 1.1 * u - 0.2)
+        assert v <= 1
+
+
 def twins(told, count, seed=0):
     """Drive a base with constant gain, push and obstacles ahead and behind; yield every step.
 

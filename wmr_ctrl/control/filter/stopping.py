@@ -74,11 +74,11 @@ class StoppingGovernor(Watching, Governor):
         self.watch(last)
         self.limits_told = limits_port(scenario)
         self.waited = port(WAITED)
-        still = [self._idle(item.sym) for item in self.before] if self.rest is not None else []
+        before = [item.sym for item in self.before]
         self.told = each_side(lambda place, i: ToldBound(
             self.plans[i], self.channels[i].sides[place], tau[i], self.T,
             most=[ca.SX(0), *(item.sym[2 * place + i] for item in self.most_before)],
-            still=[ca.SX(0), *still] if still else (), punctual=self.punctual,
+            still=self._still(i, before[0], *before), punctual=self.punctual,
         ))  # fmt: skip
         self.motions = [list[SpeedBound](side) for side in self.told]
         self.stops = [self._stop(i, tau[i]) for i in AXES]
@@ -95,10 +95,25 @@ class StoppingGovernor(Watching, Governor):
         """
         return remembered(self.plans, self.scenario)
 
-    def _idle(self, command: ca.SX) -> ca.SX:
-        """1 where a brake may close: a command (2,) that dead bands or quanta within d may hide."""
-        pairs = ((ca.fabs(command[i]), c.bounds) for i, c in enumerate(self.channels))
-        return reduce(ca.logic_and, (b.K_min * u <= b.dbar for u, b in pairs))
+    @property
+    def _alike(self) -> bool:
+        """True if both parts of a command act at once: else one may open a brake for the other."""
+        return self.plans[0].delay == self.plans[1].delay
+
+    def _still(self, axis: int, *commands: ca.SX) -> list[ca.SX]:
+        """1 for each command (2,) that may act as (0, 0), so that a brake may close.
+
+        Dead bands or quanta within d may hide it.  Where the delays of v and omega differ, a brake
+        may close for parts of two commands.  Empty without a brake.
+        """
+        if self.rest is None:
+            return []
+        parts = AXES if self._alike else (axis,)
+        sizes = [(i, self.channels[i].bounds) for i in parts]
+        return [
+            reduce(ca.logic_and, (b.K_min * ca.fabs(u[i]) <= b.dbar for i, b in sizes))
+            for u in commands
+        ]
 
     def _stop(self, axis: int, tau: tuple[ca.SX, ca.SX]) -> Stop[ca.SX]:
         plan, d = self.plans[axis], self.channels[axis].bounds.dbar
@@ -301,11 +316,11 @@ class StoppingGovernor(Watching, Governor):
     @cached_property
     def held(self) -> ca.SX:
         """1 if the base stands by the time the command acts, and (0, 0) is sent."""
-        plan = max(self.plans, key=lambda plan: plan.spread)
+        plan = self.plans[0]
         rest = ca.SX(0) if self.rest is None else self.rest
         time = rest + plan.losses * (1 + plan.jitter) * self.T
         enough = self.in_row >= whole_steps(plan, self.T, time, NEAR)
-        return ca.logic_and(is_nothing(self.safe), enough)
+        return ca.logic_and(is_nothing(self.safe), enough) if self._alike else ca.SX(0)
 
     @cached_property
     def most(self) -> Sides:
@@ -318,7 +333,7 @@ class StoppingGovernor(Watching, Governor):
         bound = ca.fmin(ca.fmax(V, v_bar), ca.fmax(v_bar, target))
         if self.rest is None:
             return bound
-        bound = ca.if_else(self._idle(self.safe), ca.fmax(bound, 0), bound)
+        bound = ca.if_else(self._still(axis, self.safe)[0], ca.fmax(bound, 0), bound)
         return ca.if_else(self.held, 0, bound)
 
     def _targets(self, way: int, number: int, newest: ca.SX | None = None) -> list[ca.SX]:
@@ -336,7 +351,7 @@ class StoppingGovernor(Watching, Governor):
 
     def _onward(self, place: int, axis: int) -> ToldBound:
         m = self.told[place][axis]
-        still = [self._idle(self.safe), *m.still[1:]] if m.still else ()
+        still = [*self._still(axis, self.safe), *m.still[1:]]
         return replace(m, most=[self.most[place][axis], *m.most[1:]], still=still)
 
     @cached_property
