@@ -260,9 +260,9 @@ class Walk:
 
 
 def paths(run: Callable[[Ask], Any], limit: int = 64) -> Iterator[tuple[dict[Hashable, bool], Any]]:
-    """Results of ``run(ask)`` on every way through the undecided conditions.
+    """Results of ``run(ask)`` on every path through the undecided conditions.
 
-    UndecidedError if there are more than ``limit`` ways.
+    UndecidedError if there are more than ``limit`` paths.
     """
     pending: list[dict[Hashable, bool]] = [{}]
     done = 0

@@ -176,9 +176,9 @@ def test_what_a_base_that_takes_velocities_holds_at_first_is_told_part_by_part()
     late = based(VELOCITY, "base.delay = 0.02; base.accel = [1, 2]; base.decel = [1, 2]")
     setup = settle(late, "kanayama")
 
-    assert at_first(setup, run=True) == "no command under way and its ramp at that speed"
+    assert at_first(setup, run=True) == "no command in transit and its ramp at that speed"
     assert at_first(setup, run=False) == (
-        "commands of that speed under way, its ramp at that speed and a law that has sent them"
+        "commands of that speed in transit, its ramp at that speed and a law that has sent them"
     )
 
 

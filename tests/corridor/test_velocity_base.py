@@ -101,7 +101,7 @@ def test_a_run_that_begins_without_commands_under_way_has_the_band_of_the_whole_
     run = simulate(scenario, "kanayama")
     known = find_corridor(scenario, "kanayama", whole=True)
 
-    assert known.late == "commands of that speed under way and a law that has sent them"
+    assert known.late == "commands of that speed in transit and a law that has sent them"
     assert known.figures["late"] == known.late
     assert known.whole.run == 4.0
     assert known.position < 1e-9 < known.whole.position

@@ -109,7 +109,7 @@ def promise(setup: Setup) -> str:
             return f"Not guarded: {limits} are not guaranteed. --guard is refused: {first}.{here}"
         would = f"would not guarantee them either: {void}" if void else "would guarantee them."
         if "guard.dbar" in case.assumed:
-            would = "would count on guard.dbar, which nobody stated."
+            would = "would assume guard.dbar, which nobody stated."
         return f"Not guarded: {limits} are not guaranteed. --guard {would}{here}"
     if setup.void:
         why = (*void_effects(setup), *(item.sentence for item in setup.broken))
@@ -228,7 +228,7 @@ def _slowed(setup: Setup) -> str:
         ),
     }
     named = [name for name, acts in slows.items() if acts and case.filter.kind == "clip"]
-    return f", but for what {' and '.join(named)} take" + "s" * (len(named) == 1) if named else ""
+    return f", less what {' and '.join(named)} take" + "s" * (len(named) == 1) if named else ""
 
 
 def inherited_robot(taken: Sequence[InheritedValue]) -> str:

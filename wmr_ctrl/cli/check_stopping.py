@@ -50,7 +50,7 @@ def stop_promise(case: Scenario) -> str:
     if not (table := stopping_table(case)):
         return ""
     return (
-        f" It stops before what is in the way, from {table[-1].speed:g} m/s within "
+        f" It stops before obstacles, from {table[-1].speed:g} m/s within "
         f"{length(table[-1].distance)}."
     )
 
@@ -68,7 +68,7 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
     rows = (f"{row.speed:g} m/s {length(row.distance)}" for row in table)
     last = table[-1]
     yield (
-        f"it stops within: {', '.join(rows)}; of the last, delay takes {length(last.delay)}, what "
+        f"it stops within: {', '.join(rows)}; of the last, delay takes {length(last.delay)}, "
         f"pushes {length(last.push)}, the brake {length(last.brake)}, the distance's error "
         f"{length(last.error)}"
     )
@@ -79,47 +79,47 @@ def _distances(case: Scenario, table: list[Stopping]) -> Iterator[str]:
     yield f"one more costs: {', '.join(prices)}"
     if rolled := rolls_back(case):
         yield (
-            f"a push may roll it back by {length(rolled)} during a stop: add that to the radius of "
-            "the body where distances in the plane are worked out"
+            f"a push may roll it back by {length(rolled)} during a stop: add that to the body's "
+            "radius where distances in the plane are computed"
         )
     turned, held = smallest_window(case)
     if turned > 0:
         yield (
             f"a push turns it by up to {turned:.3g} rad during a stop: state at least as much free "
-            f"turning (`look` of the ROS 2 node), {held:.3g} rad to leave"
+            f"turning (`look` of the ROS 2 node), and {held:.3g} rad for it to turn away"
         )
     yield from _leaving(case)
 
 
 def _leaving(case: Scenario) -> Iterator[str]:
-    settings, words = case.filter, {-1: "what is ahead", 1: "what is behind"}
+    settings, words = case.filter, {-1: "an obstacle ahead", 1: "an obstacle behind"}
     if settings.d[0] and schedules(case)[0].stops_alone:
         yield (
-            "it can never leave what is near by commands: the base may stop by itself between two "
-            f"of them (filter.hold = {settings.hold:g} s), so that it is never known to rest"
+            "commands can never move it away from an obstacle: it may stop by itself between two "
+            f"of them (filter.hold = {settings.hold:g} s), so that it is never known to be at rest"
         )
         return
     for way, place in words.items():
         if pull_away(case, way) <= 0:
             yield (
-                f"it can never leave {place} by commands: the limit away from it is too small for "
-                f"filter.d = {settings.d[0]:g} m/s and filter.gain"
+                f"commands can never move it away from {place}: the limit away from it is too "
+                f"small for filter.d = {settings.d[0]:g} m/s and filter.gain"
             )
     if settings.nearing or (settings.kind == "clip" and settings.d[0]):
         why = "filter.nearing uses up" if settings.nearing else "a clip does not count"
         yield (
-            f"it leaves what is near only from {length(leaves_from(case))} on, as told, which it "
-            f"may roll or be come nearer when a command is let go: {why} what a held command gains"
+            f"it moves away only from an obstacle told to be {length(leaves_from(case))} away or "
+            f"more, which one release may cost: {why} what a held command gains"
         )
     elif settings.d[0]:
         found = {place: own for way, place in words.items() if (own := leaving(case, way))}
         if len(found) == 2 and len({*found.values()}) == 1:
-            found = {"what is near": found[words[-1]]}
+            found = {"an obstacle": found[words[-1]]}
         for place, own in found.items():
             yield (
-                f"to leave {place}, hold a command of at least {own.least:.3g} m/s away from it "
-                f"(with the largest for {own.hold:.2g} s); it is known to stand {own.rest:.3g} s "
-                f"after it was told to stop, and a command let go too early rolls up to "
+                f"to move away from {place}, hold a command of at least {own.least:.3g} m/s "
+                f"(the largest for {own.hold:.2g} s); it is known to stand {own.rest:.3g} s after "
+                f"it was told to stop, and if a command ends too early it rolls up to "
                 f"{length(own.roll)}"
             )
 
@@ -139,7 +139,7 @@ def _times(case: Scenario) -> Iterator[str]:
                 shown = f"{time:.3g}" if time < math.inf else "no time promised (filter.d)"
                 rows.setdefault(before, []).append(f"{after:.3g}: {shown}")
             yield (
-                f"a limit lowered from one [{unit}] to another{way} is kept from so many seconds "
-                "after the step that is told:"
+                f"seconds after which a limit lowered from one [{unit}] to another{way} is kept, "
+                "counted from the step that lowers it:"
             )
             yield from (f"from {at:.3g} to {', '.join(texts)}" for at, texts in rows.items())

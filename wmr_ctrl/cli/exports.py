@@ -65,7 +65,7 @@ def export(
         from wmr_ctrl.export.fmi.ssp import has_conversions
 
         if has_conversions(paths[0]):
-            text = "connections convert units, which FMPy reads but does not do: see docs/fmu.md."
+            text = "connections convert units; FMPy reads that but converts none: see docs/fmu.md."
             say("note", f"{paths[0].name}: {text}")
 
 

@@ -19,7 +19,7 @@ def check_plain_loop(setup: Setup, holder: str) -> None:
     scenario = setup.scenario
     if (scenario.filter if scenario.takes_velocity else scenario.guard).changing:
         raise ArgumentError(
-            f"{holder} holds only reference, controller and plant, and nothing that tells limits. "
+            f"{holder} holds only reference, controller and plant, and nothing that sends limits. "
             "Leave out guard.changing and filter.changing, or export the law alone."
         )
     acting = [item for item in setup.effects if item.active(scenario)]

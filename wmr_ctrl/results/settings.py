@@ -21,7 +21,7 @@ _GRID = 1e-6
 PLANTS = ("ode", "mujoco")
 """The plane model, and the rigid body on tyres."""
 COUNTED = ("M_min", "M_max", "dbar", "nbar", "alpha")
-"""Numbers of Settings and Assumptions that a guard counts on."""
+"""Numbers of Settings and Assumptions that a guard assumes."""
 TIGHTER = "state a smaller guard.dbar or a larger guard.M_min if they are true"
 """Remedy where a guard holds back more than it must."""
 ROUNDING = 1e-6

@@ -13,7 +13,7 @@ from .history import MOST_REMEMBERED, multiple
 from .model.system import Output, Parameters, System, ports
 
 MOST_QUEUED = 100_000
-"""Plant steps that a command may be under way."""
+"""Plant steps that a command may spend in transit."""
 
 
 def queued(doc: str) -> float:

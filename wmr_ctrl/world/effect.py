@@ -299,9 +299,9 @@ def total(bounds: list[Bound]) -> Bound:
     """
     reasons = [item.void for item in bounds if item.void]
     if sum(item.lag[1] > 0 for item in bounds) > 1:
-        reasons.append("lag: two drives with a lag in series, and the guard takes only one.")
+        reasons.append("lag: two drives have a lag in series, and the guard allows only one.")
     if any(sum(item.window[i] > 0 for item in bounds) > 1 for i in (0, 1)):
-        reasons.append("window: two sensors average the velocity, and the guard takes only one.")
+        reasons.append("window: two sensors average the velocity, and the guard allows only one.")
     delay, jitter = (sum(getattr(item, name) for item in bounds) for name in ("delay", "jitter"))
     if jitter > delay * (1 + ROUNDING):
         reasons.append(

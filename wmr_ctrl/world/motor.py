@@ -120,7 +120,7 @@ def bound(scenario: Scenario) -> Bound:
     if math.isinf(pair[0]):
         return Bound(
             void=f"motor.stall = {motor.stall:g} N m: the motors get torques without limit "
-            "(actuator.tau_max = inf), so nothing bounds what they fall short by."
+            "(actuator.tau_max = inf), so their shortfall has no bound."
         )
     return Bound(dbar=(pair[0] / robot.r, pair[1] / robot.r * robot.l))
 

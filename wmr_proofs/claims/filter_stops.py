@@ -235,7 +235,7 @@ def retreat(mutation: Mutation) -> Statement:
 
     A command away that the distance admits rolls no farther than the free distance.
 
-    Given: v_3 <= max(w, target) <= 0, x_1 <= way before, x_2 <= 0; x_3 <= d B + (v_3 - d) a_B;
+    Given: v_3 <= max(w, target) <= 0, x_1 <= distance before, x_2 <= 0; x_3 <= d B + (v_3 - d) a_B;
     retreat(...) <= free.
     """
     t, stop, given = _leaving(Mutation(1))

@@ -191,7 +191,7 @@ def at_first(setup: Setup, *, run: bool) -> str:
         return "no torque in its drives" if run else asked
     parts, late = [], scenario.base.delay > 0
     if late:
-        parts.append("no command under way" if run else "commands of that speed under way")
+        parts.append("no command in transit" if run else "commands of that speed in transit")
     if ramps(scenario):
         parts.append("its ramp at that speed")
     if has_loop(scenario, "pi"):

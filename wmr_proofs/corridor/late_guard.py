@@ -27,7 +27,7 @@ from wmr_ctrl.world.scenario import Scenario
 from .condition import AXES, Condition
 
 ROOM = 1.6
-"""Of the linear loop's largest forces, up to which commands under way are counted."""
+"""Share of the linear loop's largest forces up to which commands in transit are counted."""
 
 
 def counts_late(setup: Setup) -> bool:

@@ -108,7 +108,7 @@ class Responses:
             times = (times + np.abs(power)) * UP
 
     def _ways(self, rows: OutputRows) -> Floats:
-        """Responses (rows, courses, samples) to each course."""
+        """Response of each row to each course, (rows, courses, samples)."""
         ways = rows.picked @ rows.state @ self._in_rows
         return np.asarray(ways.reshape(len(rows.picked), -1, len(self.course)))
 

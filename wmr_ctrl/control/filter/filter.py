@@ -97,7 +97,7 @@ def check_filter(scenario: Scenario) -> None:
         )
     if scenario.base.min_radius and settings.scale != "curvature":
         raise ScenarioError(
-            f'filter.scale = "{settings.scale}" may slow the base down and let it turn on, tighter '
+            f'filter.scale = "{settings.scale}" may slow the base down while it turns, tighter '
             f"than base.min_radius = {scenario.base.min_radius:g} m. Use "
             'filter.scale = "curvature".'
         )
@@ -168,7 +168,7 @@ def _unequal(scenario: Scenario, reached: Sequence[float]) -> Iterator[str]:
             key = "filter.slew" if settings.slew else "filter.channels"
             yield (
                 f"{differ} with {key} the swing of a loop that overshoots (filter.loop) is bounded "
-                f"for one limit both ways alone. State one, or leave out {key}."
+                f"only for one limit both ways. State one, or leave out {key}."
             )
         for way, size in ((1, limits.v_max[i]), (-1, -limits.v_min[i])):
             key, _ = limits.side(i, way)
@@ -406,7 +406,7 @@ class CommandFilter:
         if limits is not None:
             if not settings.changing:
                 raise ArgumentError(
-                    "limits are told, and this filter's do not change. Set filter.changing = true."
+                    "limits is given, but this filter's never change. Set filter.changing = true."
                 )
             if len(limits) != 2:
                 raise ArgumentError(
@@ -418,7 +418,7 @@ class CommandFilter:
         told = (*ways, *_pair(turn, "turn"))
         if settings.free_error is None and (free is not None or told != (math.inf,) * 4):
             raise ArgumentError(
-                "free or turn is told, and this filter asks for no distances. Set "
+                "free or turn is given, but this filter asks for no distances. Set "
                 "filter.free_error [m]."
             )
         age = -1.0 if free is None else float(free_age)

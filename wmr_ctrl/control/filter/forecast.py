@@ -22,9 +22,9 @@ HELD = 1 + FLATTEST + 2.0**-46
 """Share of c that is allowed where a command is held: 0 that was admitted before is there, too,
 whatever is rounded."""
 PAST = 1 + 2.0**-29
-"""Share of c that is counted on at most of what was sent before an untimely sample: it is above
-what is allowed by more than roundings add to that, so that nothing adds up from one such sample to
-the next."""
+"""Share of c at most that commands sent before an untimely sample are assumed to take: it is above
+the allowed share by more than roundings add to that, so that nothing adds up from one such sample
+to the next."""
 SPARE = 1 + 2.0**-40
 """Factor of what is kept of the past, so that no rounding makes it too little."""
 

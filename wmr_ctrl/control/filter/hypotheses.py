@@ -175,7 +175,7 @@ def _of_pushes(scenario: Scenario, bound: Bound) -> Iterator[str]:
         said, why, other = "Disturbances and errors of the command may push the base on by", "", ""
         if slowed[axis] and not swings[axis]:
             said = "[resistance] and pushes together slow the base by up to"
-            why = ": on its way back to rest the speed changes faster than the governor counts on"
+            why = ": on its way back to rest the speed changes faster than the governor assumes"
             other = ', or use filter.kind = "clip"'
         elif held and axis == 0:
             said += " up to"
@@ -194,13 +194,13 @@ def _of_swinging_loop(scenario: Scenario, axis: int) -> Iterator[str]:
     if start[axis]:
         yield (
             f"initial.velocity = [{start[0]:g}, {start[1]:g}]: a filter for loops that overshoot "
-            "counts on a base at rest at the start, since it does not know what drove it before. "
+            "assumes a base at rest at the start, since it does not know what drove it before. "
             "Set it to [0, 0]."
         )
     if scenario.base.rest < math.inf:
         yield (
-            f"base.rest = {scenario.base.rest:g}: a base that stands at once does not do what its "
-            "loop would, on which a filter for loops that overshoot counts. Leave it out."
+            f"base.rest = {scenario.base.rest:g}: a base that stands at once does not follow "
+            "its loop, as a filter for loops that overshoot assumes. Leave it out."
         )
     yield from _of_weak_motors(scenario)
 
@@ -405,7 +405,7 @@ def _of_odometry(scenario: Scenario, bound: Bound, stated: Pair) -> Iterator[str
     if any(bound.window) or (encoder.counts and encoder.method == TIME):
         yield (
             "The sensors' velocity is a mean over some time (sensor.velocity_window, [encoder]), "
-            "and the governor relies on that of one instant. Leave out filter.odometry, which it "
+            "and the governor needs that of one instant. Leave out filter.odometry, which it "
             "does not need, or take a sensor without window."
         )
     if bound.age[0] != bound.age[1]:

@@ -27,9 +27,9 @@ def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:
     for key, number, bound in dict.fromkeys(_of_long_times(scenario)):
         yield (
             key,
-            f"{number} is beyond {bound}: up to that it is proved that the share of the limit "
-            "which the filter keeps back covers its roundings, and beyond it the limit is proved "
-            "for exact arithmetic only.",
+            f"{number} is beyond {bound}: up to there the share of the limit that the filter "
+            "keeps back is proved to cover its roundings; beyond, the limit is proved for exact "
+            "arithmetic only.",
         )
 
 
@@ -49,7 +49,7 @@ def _of_long_times(scenario: Scenario) -> Iterator[tuple[str, str, str]]:
         if (pieces := _most_pieces(plan)) * SHORTEST * slowest > T:
             bound = (
                 f"clock.control 2^13/{pieces}, {T / pieces / SHORTEST:g} s, {pieces} being the "
-                "pieces that commands which may act divide a period into"
+                "pieces into which changes of the acting command divide a period"
             )
             yield "filter.tau", f"{settings.place('tau', axis, 2)} = {slowest:g} s", bound
 
@@ -59,9 +59,9 @@ def check_single_precision(scenario: Scenario) -> None:
     settings, T = scenario.filter, scenario.clock.control
     if settings.is_told:
         raise ScenarioError(
-            "filter.changing, filter.free_error and filter.rest need double precision: nobody has "
-            "bounded what roundings of single precision take of a stop. Write the package without "
-            "--float32."
+            "filter.changing, filter.free_error and filter.rest need double precision: there "
+            "is no bound on how single precision's roundings lengthen a stop. Write the package "
+            "without --float32."
         )
     for axis, plan in enumerate(schedules(scenario)):
         _, slowest = settings.intervals("tau")[axis]

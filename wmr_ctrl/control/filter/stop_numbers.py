@@ -119,7 +119,7 @@ def costs(scenario: Scenario) -> dict[str, float]:
 class Leaving:
     """How a base that the governor stopped is driven away.
 
-    ``roll`` [m]: largest way of one release. ``least`` [m/s]: least command that drives away,
+    ``roll`` [m]: largest distance of one release. ``least`` [m/s]: least command that drives away,
     whatever pushes. ``hold`` [s]: for how long the largest command is to be held. ``rest`` [s]:
     until the base is known to stand.
     """

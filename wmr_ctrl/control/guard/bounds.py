@@ -19,11 +19,11 @@ Pair = tuple[float, float]
 ROUNDING = 2.0**-44
 """The guard aims at v_u1 (1 - ROUNDING): more than its rounding errors can add up to.
 
-Every command under way adds another ROUNDING (see `rounding`).
+Every command in transit adds another ROUNDING (see `rounding`).
 """
 
 MASS_KEYS = ("guard.M_min", "guard.M_max")
-"""Keys of the smallest and the largest mass and inertia that a guard counts on."""
+"""Keys of the smallest and the largest mass and inertia that a guard assumes."""
 MASS_UNITS, SPEED_UNITS = ("kg", "kg m2"), ("m/s", "rad/s")
 UNITS, AXES = ("N", "N m"), (0, 1)
 LATENESS = ("delay", "lag", "age", "window")

@@ -140,7 +140,7 @@ def _mass(scenario: Scenario, guard: GuardNumbers, bound: Bound, i: int) -> Iter
             yield Contradiction(
                 MASS_KEYS[0 if light else 1],
                 f"The robot's {('mass', 'inertia')[i]} {mass:.6g} {unit}{since} lies outside what "
-                f"the guard counts on, {low:.4g} to {high:.4g} {unit}. State "
+                f"the guard assumes, {low:.4g} to {high:.4g} {unit}. State "
                 f"{' and '.join(MASS_KEYS)} around it for a guarantee.",
             )
 

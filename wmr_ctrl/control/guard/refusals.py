@@ -317,8 +317,7 @@ def _refuse_wheels(
     robot, need, most = scenario.robot, sum(pair), full_thrust(scenario.robot.r, tau_max)
     enough = _enough(needed, need * robot.r / 2, robot.r)
     larger = (
-        "No tau_max is enough: what effects of the scenario add to it grows with tau_max, too. It "
-        "holds"
+        "No tau_max is enough: what the scenario's effects demand grows with tau_max, too. It holds"
         if enough is None
         else f"It holds from tau_max >= {enough:.6g} N m on (now {tau_max:g}), or"
     )

@@ -64,8 +64,8 @@ def beyond_base(loop: Loop) -> Iterator[Warning]:
             yield Warning(
                 key,
                 f"for {percent(share)} of its time the path asks for less than {key}, and such "
-                "commands do nothing: the base leaves the path until the law asks for more. Ask "
-                "for a faster or tighter path.",
+                "commands have no effect: the base leaves the path until the law asks for more. "
+                "Ask for a faster or tighter path.",
                 "docs/howto/velocity_base.md",
                 objects=False,
             )

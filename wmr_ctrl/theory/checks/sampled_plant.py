@@ -33,7 +33,7 @@ from .error_coordinates import (
 GRID = 1e-9
 """Share of a period within which an instant counts as one of its ends."""
 SENT = "force_sent"
-"""Name of a command under way, before its age."""
+"""Name of a command in transit, before its age."""
 
 
 @dataclass(frozen=True)

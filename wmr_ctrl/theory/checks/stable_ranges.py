@@ -30,7 +30,7 @@ from .sending import loop_of
 from .surroundings import oldest_shown
 
 MOST_UNDER_WAY = 40
-"""Commands that the shortest period that is tried leaves under way in a delay."""
+"""Commands in transit in a delay at the shortest period that is tried."""
 MASSES = 20.0
 """Largest ratio of true to believed mass that is tried, and one over the smallest."""
 
@@ -81,7 +81,7 @@ class Stability:
     def mass_words(self) -> str:
         """Text on the stable mass ratios; an end of the tried range is not reported as a limit."""
         if self.any_mass:
-            return "whatever its mass, which the base's own loop makes up for"
+            return "for any mass, since the base's own loop corrects for it"
         low, high = self.masses or (math.nan, math.nan)
         less, more = " or less" * (low <= 1 / MASSES), " or more" * (high >= MASSES)
         return f"for a mass of {low:.3g}{less} to {high:.3g}{more} times the believed one"
@@ -125,7 +125,7 @@ def _remarks(loop: Loop) -> Iterator[str]:
         yield "its estimates move; after a transient they may let it settle beyond"
     sent = np.array([at.force for at in _rests(loop) if at]).reshape(-1, 2)
     if (np.abs(sent) @ (1.0, robot.l) > robot.r * base.w_max).any():
-        yield "as if base.w_max let the commands pass that its path takes"
+        yield "as if base.w_max passed the commands that its path needs"
     if loop.scenario.filter.kind in ("clip", "governor") and any(
         ((sent @ row < low) | (sent @ row > high)).any()
         for _, row, (low, high) in passing_commands(loop.scenario)

@@ -228,8 +228,8 @@ class Filter(Section, key="filter"):
         if apart and wheels:
             raise ScenarioError(
                 f"filter.{apart[0]} is stated for v and omega each, and filter.{wheels} limits "
-                "wheels, whose speeds are made of both and whose loops have to be alike. State one "
-                f"that both axes keep, or leave out filter.{wheels}."
+                "wheels, whose speeds are sums of both and whose loops have to be alike. State one "
+                f"for both axes, or leave out filter.{wheels}."
             )
 
     def _relate_told(self) -> None:
@@ -241,19 +241,19 @@ class Filter(Section, key="filter"):
         kinds = ("governor",) if name == "rest" else ("governor", "clip")
         if self.kind not in kinds:
             raise ScenarioError(
-                f'filter.{name} does not go with filter.kind = "{self.kind}", which knows no bound '
-                f"of the base's way to a stop. Use filter.kind = {quoted(kinds)}, or leave it out."
+                f'filter.{name} does not go with filter.kind = "{self.kind}", which bounds no '
+                f"stopping distance. Use filter.kind = {quoted(kinds)}, or leave it out."
             )
         wheels = "channels" if self.channels == "wheels" else "wheel_speed" * bool(self.wheel_speed)
         if wheels or self.slew is not None:
             raise ScenarioError(
-                f"filter.{name} is about v and omega, each by itself and at once. Leave out "
+                f"filter.{name} concerns v and omega, each by itself and at once. Leave out "
                 f"filter.{wheels or 'slew'}."
             )
         if self.free_error is None:
             if self.nearing:
                 raise ScenarioError(
-                    "filter.nearing is about what is in the way, and no distance is told. State "
+                    "filter.nearing is about obstacles, and no distance is told. State "
                     "filter.free_error, or leave out filter.nearing."
                 )
             return
@@ -261,9 +261,9 @@ class Filter(Section, key="filter"):
             self._relate_ramps()
         if self.rest is None and (any(self.d) or self.nearing):
             cause = (
-                f"filter.nearing = {self.nearing:g} m/s: what is in the way comes nearer for ever"
+                f"filter.nearing = {self.nearing:g} m/s: an obstacle approaches for ever"
                 if self.nearing
-                else f"filter.d = [{self.d[0]:g}, {self.d[1]:g}]: a push creeps for ever"
+                else f"filter.d = [{self.d[0]:g}, {self.d[1]:g}]: a push moves the base for ever"
             )
             raise ScenarioError(
                 f"filter.rest is missing, and {cause}, so that no stop ends in time. State how "
@@ -278,9 +278,9 @@ class Filter(Section, key="filter"):
             )
         if self.nearing and self.leave:
             raise ScenarioError(
-                "filter.leave keeps a distance for releases, which what comes nearer (filter."
-                "nearing) uses up while the base rests. Set filter.leave = 0: the base then leaves "
-                "where its distance certifies that."
+                "filter.leave keeps a distance for releases, which an approaching obstacle "
+                "(filter.nearing) uses up while the base rests. Set filter.leave = 0: the base "
+                "then moves away where its distance certifies that."
             )
 
     def _relate_ramps(self) -> None:
