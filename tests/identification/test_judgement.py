@@ -56,6 +56,9 @@ def test_a_structure_beside_the_loop_is_found_and_named(keys):
 
 def test_a_gain_that_changed_midway_is_told_with_its_time_and_nothing_else():
     found = judged(then=(17.0, 0, 0.8))
+    gain = found.parameters["gain1"]
+
+    assert gain.share == pytest.approx((gain.high - gain.low) / 2 / gain.value)
 
     assert diagnosis(found) == {("v", "change")}
     (told,) = [text for text in found.remarks if "became" in text]
