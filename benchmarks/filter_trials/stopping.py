@@ -257,6 +257,8 @@ RAMPS: Mapping[str, Base] = {
     "push of 0.2 m/s, brake 0.4 s": replace(
         _SLOWS, push=(0.2, 0.2), rest=0.4, delay=(0.05, 0.05)),
     "gain 0.7 to 1.4": replace(_SLOWS, gain=(0.7, 1.4), delay=(0.1, 0.1)),
+    "1 m/s back, 0.1 m/s ahead, no push, no brake": replace(
+        _SLOWS, decel=(0.5, 5.0), push=(0.0, 0.0), rest=NO_BRAKE, leave=0, v=(0.1, 1.0)),
     "stops by itself after 0.04 s": replace(
         _SLOWS, push=(0.2, 0.05), delay=(0.05, 0.05), hold=0.04),
     "turning": replace(

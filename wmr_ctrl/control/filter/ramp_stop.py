@@ -121,8 +121,12 @@ class RampStopper(Clip, Watching):
         """Distance that an obstacle approaches until the base stands."""
         if axis:
             return ca.SX(0)
-        slowing = self.channels[0].bounds.V / self.decel[0]
-        return self.nearing * (self.reaction[0] + slowing + self.brakes)
+        return self.nearing * (self._slows(0) + self.brakes)
+
+    def _slows(self, axis: int) -> ca.SX:
+        """Longest time [s] until the base has slowed down from either limit."""
+        fastest = largest([b.V for b in self.channels[axis].sides])
+        return self.reaction[axis] + fastest / self.decel[axis]
 
     @cached_property
     def stopping(self) -> Sides:
@@ -170,10 +174,8 @@ class RampStopper(Clip, Watching):
     @cached_property
     def held(self) -> ca.SX:
         """1 if the base stands by the time the command acts, and (0, 0) is sent."""
-        slowing = [
-            self.reaction[i] + c.bounds.V / self.decel[i] for i, c in enumerate(self.channels)
-        ]
-        enough = whole_steps(self.plans[0], self.T, self.brakes + largest(slowing))
+        slowest = largest([self._slows(axis) for axis in AXES])
+        enough = whole_steps(self.plans[0], self.T, self.brakes + slowest)
         return ca.logic_and(is_nothing(self.safe), self.in_row >= enough)
 
     @cached_property

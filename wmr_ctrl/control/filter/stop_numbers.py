@@ -81,7 +81,7 @@ def _starting(scenario: Scenario) -> float:
     meanwhile.
     """
     settings, rest = scenario.filter, scenario.filter.rest or 0.0
-    slows = scenario.limits.v_max[0] / settings.decel[0] if settings.decel else 0.0
+    slows = fastest(scenario) / settings.decel[0] if settings.decel else 0.0
     return settings.d[0] * rest + settings.nearing * (_reaction(scenario, 0) + slows + rest)
 
 
