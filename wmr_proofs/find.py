@@ -61,14 +61,22 @@ Used: TypeAlias = tuple[Any, ...]
 
 ROOT = "~"
 """Begins the name of a square in a search."""
-DEGREE, DEPTH, CUTS = 5, 40, 3
-"""Factors of a product, cases within cases, and those of signs among them, at most."""
-EVERY, MOST = 8000, 600
-"""Products that are tried, and those of them that share monomials, at most."""
+DEGREE = 5
+"""Most factors of a product."""
+DEPTH = 40
+"""Most cases within cases."""
+CUTS = 3
+"""Most cases of signs among them."""
+EVERY = 8000
+"""Most products that are tried."""
+MOST = 600
+"""Most products that share monomials."""
 SECONDS = 10.0
 """Of the processor for one obligation."""
-SOON, LATER = 300_000, 3_000_000
-"""z3's work for a question about a few facts, and about those of a case."""
+SOON = 300_000
+"""Work of z3 for a question about a few facts."""
+LATER = 3_000_000
+"""Work of z3 for a question about the facts of a case."""
 
 
 class NotFound(Exception):  # noqa: N818

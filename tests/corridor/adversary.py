@@ -19,8 +19,10 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.world.references import sample
 
 TINY = 1e-4
-WINDOW, STRIDE = 150, 15
-"""Samples before the last that count on the way, and how far apart a single push is tried."""
+WINDOW = 150
+"""Samples before the last in which a push still matters."""
+STRIDE = 15
+"""Samples between the trials of a single push."""
 DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
 TRIED = 2
 """Of the worst sequences for DIRECTIONS so many are tried: those of the largest sum of answers."""

@@ -40,8 +40,10 @@ NOISES = [INDEX[name] for name in ("q1", "q2", "n1", "n2")]
 PASSES = 40
 ENOUGH = 2e-3
 """Gain in log-likelihood below which scoring ends: 6 % of a standard error."""
-DAMPING, LESS = 1e-3, 8.0
-"""Damping of the first step, and by what it grows, from this on, after one that gained nothing."""
+DAMPING = 1e-3
+"""Damping of the first step."""
+LESS = 8.0
+"""Growth of the damping after a step without gain."""
 ACCEPTED = 1.92
 """Fall of the log-likelihood at the end of an interval by the likelihood."""
 FINEST = 3e-4
@@ -214,8 +216,10 @@ PHYSICAL = NAMES[:8]
 """Parameters of the robot; the others are noises."""
 FLOOR = 2e-3
 """Least relative half-width of an interval."""
-LEAST_BLOCKS, APART = 3, 2.0
-"""Fewest blocks before and after a change, and sums of half-widths that set their values apart."""
+LEAST_BLOCKS = 3
+"""Fewest blocks before and after a change."""
+APART = 2.0
+"""Distance of values that differ, in sums of their half-widths."""
 LEAST_TOLD = 1e-12
 """Information on a number that the log does not tell at all."""
 WIDEST = 14.0

@@ -23,26 +23,39 @@ from .logs.samples import AxisLog
 from .speed_loop import LINEAR, NEUTRAL, LoopFit, foretold, whitener
 
 LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explained"
-MORE_TOLD, MOST_TOLD = 0.04, 0.12
-"""Share of the speed's rms that commands tell beyond a model that explains it in part, or not."""
+MORE_TOLD = 0.04
+"""Share of the speed's rms, foretold beyond the model, above which it explains only a part."""
+MOST_TOLD = 0.12
+"""The same above which the model explains nothing."""
 BY_OTHER = 2.0
 """Factor by which the other axis must add to what commands tell to be named."""
-APART, LEAST_APART = 2.0, 0.03
-"""Half-widths, and share of the gain, by which a group's gain is another."""
-FEWEST, SLOWEST = 40, 0.1
-"""Rows of a group; speed that counts over the quick ones'."""
+APART = 2.0
+"""Half-widths by which a group's gain differs from the others."""
+LEAST_APART = 0.03
+"""Share of the gain by which a group's gain differs from the others."""
+FEWEST = 40
+"""Least number of rows of a group."""
+SLOWEST = 0.1
+"""Least speed that counts, over the quick ones'."""
 PER_DOUBLE = 1.7
 """Growth of the gain from a speed to its double over that from slow rows to fast ones."""
 MOST_STAYS, LEAST_VARIANCE = 0.4, 0.5
 """Largest deviation over the largest speed, and least share of the variance, of what explains."""
-BETWEEN, WINDOW, FEWEST_CHANGES = 0.25, 0.35, 8
-"""Time between changes of a command that are looked at, and after one [s]."""
+BETWEEN = 0.25
+"""Least time between changes of a command that are examined [s]."""
+WINDOW = 0.35
+"""Time after a change that is examined [s]."""
+FEWEST_CHANGES = 8
+"""Least number of such changes."""
 LEAST_SCATTER, LATER, BY_NOISE = 0.003, 2e-4, 2.0
-RARE, ALIKE, MOST_HELD, SMOOTH = 1.5, 0.3, 4, 0.5
-"""Rows of motion a command beyond which commands are rare; largest range of single delays, in
-periods of the commands, by which they came when logged; rows that are held by a slower recorder;
-correlation of steps of a command from which on it changes between rows, too.
-"""
+RARE = 1.5
+"""Rows of motion per command beyond which commands are rare."""
+ALIKE = 0.3
+"""Largest range of single delays, in periods of the commands, by which they came when logged."""
+MOST_HELD = 4
+"""Rows that are held by a slower recorder."""
+SMOOTH = 0.5
+"""Correlation of a command's steps from which on it changes between rows, too."""
 GAINS, ANY_GAIN = (1 / 3, 3.0), 0.4
 """Gains that units can be right for, and how far a base's own gain may be from 1 else."""
 GROUP_KEYS = {

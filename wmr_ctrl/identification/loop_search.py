@@ -27,8 +27,12 @@ from .speed_loop import (
 )
 
 MOST = 3
-LESS_BIC, LESS_BIC_ROW, LESS_SQUARES = 10.0, 0.01, 0.9
-"""By how much the criterion falls at least, per row too, and what may be left of the squares."""
+LESS_BIC = 10.0
+"""Least fall of the criterion."""
+LESS_BIC_ROW = 0.01
+"""Least fall of the criterion for each row of the fit."""
+LESS_SQUARES = 0.9
+"""Largest share of the sum of squares that may remain."""
 LEAST_GAIN = 0.05
 """Least share of its gain that may be left to a base before or after a time."""
 SQUARES_WIN = 0.8

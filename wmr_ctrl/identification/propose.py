@@ -13,8 +13,12 @@ from wmr_ctrl.core.errors import ArgumentError
 from .bounds import BaseIdentification
 from .logs.log import Floats, Pair
 
-SECONDS, FADE, HELD = 60.0, 2.0, 1.0
-"""Length of a drive, of its rise and fall, and of a step [s]."""
+SECONDS = 60.0
+"""Length of a drive [s]."""
+FADE = 2.0
+"""Length of its rise and of its fall [s]."""
+HELD = 1.0
+"""Length of a step [s]."""
 DRAWS = 40
 """Drives that are drawn; the one that strays least is proposed."""
 SHARE, ROOM = 0.8, 0.9

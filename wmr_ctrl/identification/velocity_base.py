@@ -42,8 +42,10 @@ UNSURE = 0.1
 """Share by which numbers of a loop are widened that explains its log in part."""
 LEAST_BACK = 2.0
 """Largest ratio of commands in both directions of a log that shows both."""
-MOST_LATE, MOST_VAGUE = 0.3, 4.0
-"""Latest delay [s], and ratio of the ends of an interval, of undetermined numbers for a filter."""
+MOST_LATE = 0.3
+"""Largest undetermined delay that a filter takes [s]."""
+MOST_VAGUE = 4.0
+"""Largest ratio of the ends of an undetermined interval that it takes."""
 KEYS = {"tau": "tau", "wn": "frequency", "zeta": "damping", "gain": "gain"}
 """Keys of a loop's numbers in [base] and [filter]."""
 UNFOUNDED = ("filter.gain", "filter.d", "filter.kp", "filter.push")

@@ -18,8 +18,10 @@ APART = 0.5
 """Clocks of stamps and of the recorder that differ by more [s] are two clocks."""
 LATE = 1.0
 """Messages at most so late [s] are put back in order; more is a clock that was set."""
-PARTS, BEND = 40, 0.02
-"""Parts of a drive in which two clocks are compared, and how far they may be off a line [s]."""
+PARTS = 40
+"""Parts of a drive in which two clocks are compared."""
+BEND = 0.02
+"""Distance from a line that is allowed between clocks [s]."""
 STEADY = 1e-3
 """Difference of two clocks' rates that is reported."""
 

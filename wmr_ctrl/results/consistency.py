@@ -18,10 +18,18 @@ if TYPE_CHECKING:
 
 CONTRADICTS = "pose-contradicts-speed"
 JUMP = "first-step-jump"
-SHARE, OF_TOP, LAG, NOISE = 0.05, 0.01, 3, 5.0
-"""Room: shares of the motion and of the largest speed, samples of lag, spreads of the noise."""
-SECONDS, FEWEST = 1.0, 20
-"""Length of a part of the run [s], and its least number of samples."""
+SHARE = 0.05
+"""Allowed deviation as a share of the motion."""
+OF_TOP = 0.01
+"""Allowed deviation as a share of the largest speed."""
+LAG = 3
+"""Allowed lag in samples."""
+NOISE = 5.0
+"""Allowed deviation in spreads of the noise."""
+SECONDS = 1.0
+"""Length of a part of the run [s]."""
+FEWEST = 20
+"""Least number of samples of a part."""
 _WORDS = (("moved ahead at", "v1", "m/s"), ("turned at", "omega", "rad/s"))
 
 

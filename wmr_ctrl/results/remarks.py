@@ -36,9 +36,12 @@ CHATTER, OF_LIMIT, OF_PEAK = 1.0, 0.1, 1e-3
 torque that the motion needs and of that which pushes the wheels, and than these shares of the limit
 and of the run's largest torque: without friction a motion may need none.
 """
-BURST, PARTS, FEWEST = 1.5, 10, 32
-"""The same over a part of the window: this multiple of it, in one of so many parts, halves of which
-overlap, of no fewer samples."""
+BURST = 1.5
+"""Multiple of the same for a part of the window."""
+PARTS = 10
+"""Number of such parts; halves of them overlap."""
+FEWEST = 32
+"""Least number of samples of a part."""
 NEAR = 0.9
 """Share of the speed at which a law's barrier begins, from which a desired one is close to it."""
 STILL = 1e-9

@@ -13,8 +13,10 @@ from operator import itemgetter
 from wmr_proofs.methods.spec import Point
 
 LARGEST_TARGET = 20.0
-STEP, ROOM = 0.008, 0.008
-"""Relative steps of d_max from row to row, and of the upper bound above the maximum."""
+STEP = 0.008
+"""Relative step of d_max from row to row."""
+ROOM = 0.008
+"""Relative distance of the upper bound above the maximum."""
 CLIP = 1e-6
 """limits.clip of the paper's presets: barrier quantities see no velocity nearer to the limit."""
 

@@ -27,21 +27,38 @@ from .secants import SecantCurve
 from .stretch import Stretch, forgets, stretch
 
 DIRECTIONS = 12
-CHUNK, KNOT = 1.0, 0.02
-"""Seconds: that one bend holds for, and between knots within a sample."""
-LEFT, LONGEST = 5e-3, 1500
-"""Share of its first size below which a column is old, and samples after which any is."""
+CHUNK = 1.0
+"""Time for which one bend holds [s]."""
+KNOT = 0.02
+"""Time between knots within a sample [s]."""
+LEFT = 5e-3
+"""Share of its first size below which a generator is old."""
+LONGEST = 1500
+"""Samples after which every generator is old."""
 STEADY = 1e-9
 """Difference of numbers from sample to sample that counts as none; nothing rests on it."""
-BATCH_TIME, BATCH_MOST, YOUNG, APART = 0.2, 20, 0.5, 0.03
-"""Seconds and samples that are followed at once; seconds after which some samples' columns stand
-for all, and between these."""
-OLD, OF_OLD = 1.2, 3
-"""Seconds after which one in so many of these stands for all."""
-BRIEF, SLOW, SPREAD = 0.1, 2.0, 1.2
-"""Seconds that boxes of secants are for; speeds v_s, and growth of deviations, where they serve."""
-KEPT, MOST_CHUNKS = 4, 8
-"""Lists of slopes that are kept, and the most chunks of one."""
+BATCH_TIME = 0.2
+"""Time of the samples that are followed in one block [s]."""
+BATCH_MOST = 20
+"""Most samples of a block."""
+YOUNG = 0.5
+"""Age from which on the generators of some samples stand for all [s]."""
+APART = 0.03
+"""Time between these samples [s]."""
+OLD = 1.2
+"""Further age from which on still fewer generators are kept [s]."""
+OF_OLD = 3
+"""Samples for each generator that is then kept."""
+BRIEF = 0.1
+"""Time for which a box of secants is made [s]."""
+SLOW = 2.0
+"""Speed up to which secants are used, over v_s."""
+SPREAD = 1.2
+"""Growth of deviations that this speed includes."""
+KEPT = 4
+"""Lists of slopes that are kept."""
+MOST_CHUNKS = 8
+"""Most chunks of such a list."""
 PORTION, PLACES = 500, 9
 """Samples whose undisturbed run is compared with the graphs at once; samples at which it is looked
 how fast the loop forgets."""

@@ -13,8 +13,10 @@ from wmr_ctrl.theory.checks.loop import IntArray
 from .loop import UP
 from .midradius import ROUNDED
 
-SINGLE, FAINT = 2.0**-24, 1e-30
-"""Share by which a single-precision result errs, and a size that it may take for 0."""
+SINGLE = 2.0**-24
+"""Relative error of a single-precision result."""
+FAINT = 1e-30
+"""Size that such a result may take for 0."""
 BLOCK = 2**17
 """Products of numbers below which OpenBLAS takes one thread, and the results stay in a cache."""
 

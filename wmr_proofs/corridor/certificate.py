@@ -41,13 +41,24 @@ from .reckoning import Reckoning
 from .responses import Gains
 from .sample import SlowLoopError
 
-ROUNDS, CLOSE, INFLATED, LEAP = 60, 1e-7, 1e-6, 20
-"""Rounds of the fixed point, the change at which they end, what each of them adds, and after how
-many of them its limit is guessed."""
+ROUNDS = 60
+"""Rounds of the fixed point."""
+CLOSE = 1e-7
+"""Relative change at which they end."""
+INFLATED = 1e-6
+"""Share that each round adds."""
+LEAP = 20
+"""Rounds after which their limit is guessed."""
 SETTLING = 20
 """Rounds by which the long run's box comes down; each one is a bound."""
-FAR, MORE, NEAR, DUST = 30.0, 10.0, 1e-3, 1e-9
-"""Growth over the linear loop (MORE times that with jitter), over a share of all, and over dust."""
+FAR = 30.0
+"""Growth over the linear loop at which the search ends."""
+MORE = 10.0
+"""Multiple of FAR with jitter."""
+NEAR = 1e-3
+"""Share of the largest deviation from which on FAR counts."""
+DUST = 1e-9
+"""Deviation that is allowed to any component."""
 
 
 class Certifier:

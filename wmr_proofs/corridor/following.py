@@ -23,13 +23,22 @@ from .midradius import MidRadius
 from .motion import UNSURE
 from .remainders import Remainders
 
-FAR, NEAR, SLOW_NEAR, TRIES = 30.0, 1e-3, 0.3, 40
-"""Growth over the linear loop, and more [m, rad], with which a sample counts as lost, the latter
-also by secants; tries."""
-COST, COLUMNS = 10.0, 1000.0
-"""Work of a block (`wmr_ctrl.theory.checks.budget`), and columns that take one more."""
-GUESSED, GROWN = 1.003, 1.02
-"""Growth of what is guessed, at first and from try to try."""
+FAR = 30.0
+"""Growth over the linear loop beyond which a sample counts as lost."""
+NEAR = 1e-3
+"""Deviation that is allowed beside it [m, rad]."""
+SLOW_NEAR = 0.3
+"""The same where secants are used [m, rad]."""
+TRIES = 40
+"""Most tries for a block."""
+COST = 10.0
+"""Work of a block (`wmr_ctrl.theory.checks.budget`)."""
+COLUMNS = 1000.0
+"""Number of columns that cost one such block more."""
+GUESSED = 1.003
+"""Growth of the first guess."""
+GROWN = 1.02
+"""Growth of a guess from try to try."""
 
 
 @dataclass(frozen=True)

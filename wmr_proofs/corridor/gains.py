@@ -31,10 +31,16 @@ from .sample import (
     unit_matrix,
 )
 
-LEFT, FAINTEST = 1e-6, 0.1
-"""Size of A^K at which the sums end, and the largest with which they may end."""
-MOST_SAMPLES, MOST_BITS, MOST_STEPS = 12_000, 30_000, 100_000
-"""Largest numbers of samples, bits, and plant steps in those samples: some 4 s of CPU."""
+LEFT = 1e-6
+"""Size of A^K at which the sums end."""
+FAINTEST = 0.1
+"""Largest size of A^K with which they may end."""
+MOST_SAMPLES = 12_000
+"""Largest number of samples; all three limits together take some 4 s of CPU."""
+MOST_BITS = 30_000
+"""Largest number of bits."""
+MOST_STEPS = 100_000
+"""Largest number of plant steps in those samples."""
 SPARE_BITS = 320
 DIRECTIONS = 16
 PAIRS = [(a, b) for a in range(ROBOT) for b in range(a + 1, ROBOT)]

@@ -12,8 +12,10 @@ from .blocks import FollowedBlock
 from .motion import UNSURE
 from .stretch import Stretch
 
-AGAIN, FASTEST = 1.005, 1.2
-"""Growth of what is guessed from block to block, and the most of it."""
+AGAIN = 1.005
+"""Factor by which a guess exceeds what it is extrapolated from."""
+FASTEST = 1.2
+"""Largest extrapolated growth from block to block."""
 
 
 @dataclass(frozen=True)

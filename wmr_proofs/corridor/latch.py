@@ -39,8 +39,10 @@ from .stated import of_loop, refused_unchecked
 
 LARGER = (1.6, 1.4, 1.2, 1.1, 1.05, 1.02)
 """Multiples of the corridor's box that are tried for Y."""
-HALVINGS, STAGES = 20, 4
-"""Halvings in the search for b; number of rounds of K samples over which the bound is refined."""
+HALVINGS = 20
+"""Halvings in the search for b."""
+STAGES = 4
+"""Rounds of K samples over which the bound is refined."""
 DUST = 1e-9
 """Added to all of Y, in units of each: what a run starts with may be off by rounding."""
 ALONE = {"corridor.start": (0.0, 0.0, 0.0), "corridor.cells": 0}

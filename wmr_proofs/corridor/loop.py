@@ -48,9 +48,12 @@ BODY = ("robot.m", "robot.I")
 
 FREE, NOTHING = 1e300, np.zeros(0)
 """Size of a condition that nothing breaks; no sizes."""
-UP, MOST_NUMBERS, MOST_COLUMNS = 1.0 + 1e-11, 100, 40_000
-"""Sums of up to 4e4 doubles that are not negative, in whatever order, err by less than UP.  Most
-numbers that a loop's state may have, and columns that are summed up."""
+UP = 1.0 + 1e-11
+"""Factor that covers rounding in any sum of up to 4e4 doubles that are not negative."""
+MOST_NUMBERS = 100
+"""Most numbers of a loop's state."""
+MOST_COLUMNS = 40_000
+"""Most columns that are summed."""
 
 
 class Curve:

@@ -13,8 +13,12 @@ from wmr_ctrl.theory.checks.error_coordinates import Floats
 
 from .enclosure import OpenBoxError
 
-ROUNDED, OUTWARD, SMALLEST = 2.0**-52, 1 + 2.0**-48, 1e-300
-"""Twice what a result is off by, what widens a radius for its own rounding, and what is added."""
+ROUNDED = 2.0**-52
+"""Twice the relative rounding error of a result."""
+OUTWARD = 1 + 2.0**-48
+"""Factor that covers a radius's own rounding."""
+SMALLEST = 1e-300
+"""Size that is added to a radius against underflow."""
 
 
 def rounding(count: int) -> float:

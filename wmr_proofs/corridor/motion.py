@@ -25,11 +25,15 @@ from .loop import SampledLoop
 from .midradius import OUTWARD, ROUNDED, MidRadius
 from .spans import MidRadiusGraph
 
-UNSURE, OPERATIONS = 1e-12, 16.0
-"""A size far below all that matters, and roundings of a coordinate in a step of `carried`."""
+UNSURE = 1e-12
+"""Size far below all that matters."""
+OPERATIONS = 16.0
+"""Roundings of a coordinate in a step of `carried`."""
 
-STEEP, PARTS = 1.5, 8
-"""Growth of a force's remainder from half a box to all of it that cuts a box up, and its parts."""
+STEEP = 1.5
+"""Growth of a force's remainder, from half a box to all of it, that divides the box."""
+PARTS = 8
+"""Parts of a divided box."""
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,14 @@ from .instant import Guess, Instant, RunBounds
 from .loop import UP
 from .motion import UNSURE
 
-HELD, RAISED, HELD_TRIES, AGAIN_AFTER = 1.002, 1.005, 20, 4
-"""Bound on what samples of a standing set add, as a share of the latest; growth where that was too
-little, and how often; part of the time without changes after which such a set is sought again."""
+HELD = 1.002
+"""Assumed bound of what a standing set's samples add, over the latest."""
+RAISED = 1.005
+"""Growth of that bound where it was too small."""
+HELD_TRIES = 20
+"""Most such tries."""
+AGAIN_AFTER = 4
+"""Such a set is sought again after the time without changes divided by this."""
 SLOW_FROM = 4.0
 """Growth of what is reached that brings the robot to a stop where secants are tried at last."""
 GROWTH = 1.25

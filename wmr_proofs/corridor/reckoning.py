@@ -30,8 +30,10 @@ MOST_ROW_SAMPLES = 400
 over more and more samples cost as much as they are long."""
 BITS = 320
 """For Phi."""
-ROUNDS, MORE = 30, 1.001
-"""Rounds in which an error is found, and by how much a guess exceeds the last one."""
+ROUNDS = 30
+"""Rounds in which an error is found."""
+MORE = 1.001
+"""Growth of a guess over the last error."""
 LOST = 1e3
 """Error [m, rad] that is not looked for any more."""
 

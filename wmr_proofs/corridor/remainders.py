@@ -12,12 +12,20 @@ from .loop import UP
 from .motion import UNSURE
 from .secants import LEAST
 
-ROOM, MORE_ROOM, LITTLE, FIRST_ROOM = 1.03, 1.06, 0.4, 2.0
-"""Growth of the box that a bend holds on, at first and where it was left; below that share of the
-typical sizes another."""
-SLOW_ROOM, SLOW_SHARE, TOO_WIDE = 1.05, 0.02, 1.05
-"""Of boxes of secants: growth, what is added as a share of the typical sizes, and how much wider
-than that makes them anew."""
+ROOM = 1.03
+"""Growth of the box on which a bend is computed."""
+MORE_ROOM = 1.06
+"""The same once such a box has been left."""
+LITTLE = 0.4
+"""Share of the typical sizes below which FIRST_ROOM is taken."""
+FIRST_ROOM = 2.0
+"""Growth of the box while deviations are small."""
+SLOW_ROOM = 1.05
+"""Growth of a box of secants."""
+SLOW_SHARE = 0.02
+"""Share of the typical sizes that is added to such a box."""
+TOO_WIDE = 1.05
+"""Ratio of such a box to the needed one from which on it is made anew."""
 
 
 class Remainders:

@@ -15,8 +15,10 @@ BallArray: TypeAlias = NDArray[np.object_]
 """Balls in an array, whose products are enclosures."""
 EXACT, NOTHING = 2.0**-53, 1e-60
 """A ball's double is off by this share and this much at most, which is checked."""
-LARGEST, FLOOR = 1e9, 1e-20
-"""Largest double of a matrix; what NOTHING comes to in 1e7 products of four of them at most."""
+LARGEST = 1e9
+"""Largest double of a matrix."""
+FLOOR = 1e-20
+"""Bound of NOTHING's effect in 1e7 products of four such matrices."""
 ROUNDING = 1e-13
 """Share by which a sum of up to 100 products of such doubles, each rounded, can err."""
 STRIDE = 16

@@ -21,9 +21,14 @@ from .loop import SampledLoop
 from .passage import Passing
 from .peaks import Peaks, Tube, reference_gap
 
-ROOM, LEAST, DUST, LAGS = 1 + 3e-3, 1e-3, 1e-11, 1.75
-"""Growth of the box that is stated, so that there is some room; a share of the largest in a run,
-and what is added to all; how many times the samples of a run's memory are told apart."""
+ROOM = 1 + 3e-3
+"""Growth of the stated box over the computed one."""
+LEAST = 1e-3
+"""Share of the largest size in a run that is added."""
+DUST = 1e-11
+"""Size that is added to every component."""
+LAGS = 1.75
+"""Samples that are distinguished by their age, over the run's memory."""
 
 
 @contextmanager

@@ -35,8 +35,10 @@ OPEN = "the undisturbed loop cannot be followed"
 BY_START = "; corridor.start alone is too large for it, also without pushes and errors"
 LEAST = 8
 """Most halvings of pushes and errors that are tried where all of them have no corridor."""
-BEYOND, EARLY = 1.0, 0.25
-"""Seconds for which they are followed after what may stop them; share of the run that is early."""
+BEYOND = 1.0
+"""Time for which samples are followed after a possible stop [s]."""
+EARLY = 0.25
+"""Share of the run that is early."""
 
 
 def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:

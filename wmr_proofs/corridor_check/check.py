@@ -18,12 +18,20 @@ from .graphs import OUT, Graph, each
 from .intervals import Floats, RefusedError, most
 
 ROBOT, COMMAND = 5, 2
-UNIT, LONGEST, LEFT, DUST = 2.0**-45, 40_000, 1e-8, 1e-12
-"""Share by which a sum of 150 products errs at most; most samples of a standing loop, and the share
-of a deviation at which its sums end, beside a size below all that matters."""
-TERMS, ALONE, ROUNDS = 800_000, 2**17, 3
-"""Most terms of a sum; products of numbers for which BLAS starts no threads; rounds by which the
-long run's box comes down."""
+UNIT = 2.0**-45
+"""Largest relative error of a sum of 150 products."""
+LONGEST = 40_000
+"""Most samples of a standing loop."""
+LEFT = 1e-8
+"""Share of a deviation at which its sums end."""
+DUST = 1e-12
+"""Size below all that matters."""
+TERMS = 800_000
+"""Most terms of a sum."""
+ALONE = 2**17
+"""Products of numbers for which BLAS starts no threads."""
+ROUNDS = 3
+"""Rounds in which the long run's box shrinks."""
 
 
 def check(c: Certificate) -> tuple[Floats, Floats]:

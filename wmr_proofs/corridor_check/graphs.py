@@ -7,9 +7,12 @@ import numpy as np
 
 from .intervals import Floats, Program, most, outwards
 
-OUT, PARTS, AT_ONCE = 1 + 1e-10, 8, 4000
-"""Growth for sums of up to 800,000 rounded terms, all >= 0; parts of the way to a deviation; places
-that are evaluated at once."""
+OUT = 1 + 1e-10
+"""Factor that covers rounding in sums of up to 800,000 terms, all >= 0."""
+PARTS = 8
+"""Parts of the segment to a deviation."""
+AT_ONCE = 4000
+"""Places that are evaluated at once."""
 
 
 class Graph:

@@ -161,8 +161,10 @@ _OPERATIONS: dict[str, Callable[..., Interval | None]] = {
 
 Box = dict[str, tuple[float, float]]
 WAYS = 64
-ALL_OF, ONE_IN = 64, 16
-"""A counterexample is looked for in the first parts that are not shown, then in one of so many."""
+ALL_OF = 64
+"""Undecided parts that are all searched for a counterexample."""
+ONE_IN = 16
+"""Number of later parts of which one is searched."""
 
 
 def decide(statement: Statement, method: Ball) -> Finding:

@@ -32,8 +32,10 @@ from .lateness import GRID
 BoundOf: TypeAlias = Callable[[Scenario], Bound]
 LATE = ("delay", "unmodelled_delay", "jitter")
 """Fields of [actuator] that add up to the largest delay of a command."""
-DOUBLINGS, HALVINGS = 20, 40
-"""Doublings, then bisections, up to a torque limit that is enough."""
+DOUBLINGS = 20
+"""Doublings in the search for a sufficient torque limit."""
+HALVINGS = 40
+"""Bisections after them."""
 SLACK = 1e-9
 """By how much a number that is proposed is on the safe side at least; more than its rounding."""
 

@@ -17,22 +17,32 @@ from wmr_ctrl.world.encoder import COUNTS
 
 from .log import TOGETHER, WHEEL_ANGLE, Floats, Log, LogError, Mask, Note, quick, usual_step
 
-FEWEST_ROWS, MOST_EMPTY = 50, 1000
-"""Rows of a log, and its longest gap over all of them."""
+FEWEST_ROWS = 50
+"""Least number of rows of a log."""
+MOST_EMPTY = 1000
+"""Longest gap, over the usual step times the number of rows."""
 STEPS = (5e-4, 0.5)
 """Median time between rows that can be meant [s]."""
-MOST_SIZE, MOST_COUNTS = 1e6, 1e15
-"""Largest number of a log in our units, and of counts."""
-MOST_LEFT_OUT, ALWAYS = 0.02, 2
-"""Share of rows, and their number, that may be left out."""
+MOST_SIZE = 1e6
+"""Largest number of a log in our units."""
+MOST_COUNTS = 1e15
+"""Largest number of counts."""
+MOST_LEFT_OUT = 0.02
+"""Share of rows that may be left out."""
+ALWAYS = 2
+"""Number of rows that may always be left out."""
 ODD_ROWS = 3
 """Rows for which a counter may be far off."""
 NEIGHBOURS = 7
 """Steps of a counter whose median is the usual one there."""
 LEAST_JUMP, JUMP = 25.0, 0.5
 """Jumps of a counter in counts, and in its span."""
-MOST_OFF, LEAST_SCATTER, ALIKE = 0.45, 5e-3, 0.3
-"""Largest and least scatter of stamps over the period; correlation of one with the next."""
+MOST_OFF = 0.45
+"""Largest distance of a stamp from an even clock, over the period."""
+LEAST_SCATTER = 5e-3
+"""Least scatter of stamps, over the period."""
+ALIKE = 0.3
+"""Largest correlation of a stamp's distance with the next one's."""
 SMOOTHER = 0.9
 """Share to which an even clock lowers the roughness of the wheels' turn where it is taken."""
 SURE = 2

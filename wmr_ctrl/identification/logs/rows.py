@@ -18,24 +18,42 @@ from .samples import AxisLog, Samples, axis_log
 LOOP, PASSES = "first-order", 8
 MOST_ODD = 0.15
 """Share of readings beyond which they are the log and no faults of it."""
-FAR, LEAST_FAR, STEPS_FAR = 8.0, 0.12, 2.5
-"""Distance of an odd reading from its neighbours: deviations, of the quick speeds, and steps."""
-ZERO_DEVIATIONS, ZERO_FAR = 5.0, 0.05
-"""The same for a reading of exactly 0."""
+FAR = 8.0
+"""Least distance of an odd reading from its neighbours, over their usual deviation."""
+LEAST_FAR = 0.12
+"""Least distance of an odd reading, over the log's quick speeds."""
+STEPS_FAR = 2.5
+"""Least distance of an odd reading, in steps of its resolution."""
+ZERO_DEVIATIONS = 5.0
+"""As FAR, for a reading of exactly 0."""
+ZERO_FAR = 0.05
+"""As LEAST_FAR, for a reading of exactly 0."""
 BACK = 0.6
 """Share of the distance by which the reading itself must go out and come back."""
-NEIGHBOURS, ODD_ROWS, ZERO_ROWS = 7, 2, 5
-"""Rows of a median, and the longest run of odd readings, and of zeros among them."""
-REST, LEAST_EXPECTED, LEAST_CHANGES = 2.0, 0.25, 2
-"""Time at rest [s], speed expected over the quick ones', and changes of command in it, from which
-on the drivers are off.
-"""
-LEVELS, USUAL = 8, 70
-"""Groups of commands of about one size, and per cent of their rows with the usual speed at most."""
-BEFORE_OFF, BEHIND_OFF = 0.3, 1.0
-"""Time before and behind it that is left out, too [s]."""
-LEAST_SILENCE, PERIODS_SILENT = 0.3, 6.0
-"""Shortest silence of commands that is none of their period [s], and in periods."""
+NEIGHBOURS = 7
+"""Rows of the running median."""
+ODD_ROWS = 2
+"""Longest run of odd readings, in rows."""
+ZERO_ROWS = 5
+"""Longest run of readings of 0 among them, in rows."""
+REST = 2.0
+"""Time at rest from which on the drivers are off [s]."""
+LEAST_EXPECTED = 0.25
+"""Least mean speed expected in that time, over the quick ones'."""
+LEAST_CHANGES = 2
+"""Least number of changes of the command in that time."""
+LEVELS = 8
+"""Groups of commands of similar size."""
+USUAL = 70
+"""Percentile of a group's speeds that is its usual speed."""
+BEFORE_OFF = 0.3
+"""Time before such a stretch that is left out, too [s]."""
+BEHIND_OFF = 1.0
+"""Time after such a stretch that is left out, too [s]."""
+LEAST_SILENCE = 0.3
+"""Shortest silence of commands beyond their period [s]."""
+PERIODS_SILENT = 6.0
+"""Shortest silence of commands, in their periods."""
 LIKELIER = 20.0
 """Gain of twice the log-likelihood from which on a time-out is taken."""
 COARSE, FINE, LONGEST_TIMEOUT = 0.1, 0.02, 4.0

@@ -42,14 +42,18 @@ ENOUGH_ROWS = 20_000
 HELD = 0.2
 """Time for which a speed is held that a log shows [s]."""
 
-STEP, BEFORE = 5e-3, 0.7
-"""Longest step of a loop, and time for which it runs before a stretch of the log [s]."""
+STEP = 5e-3
+"""Longest step of a loop [s]."""
+BEFORE = 0.7
+"""Time for which a loop runs before a stretch of the log [s]."""
 
 COUNTED_FROM = 1.0
 """Time at the start of each stretch that does not count [s], except one that begins at rest."""
 
-RESTS, STILL = 0.3, 0.05
-"""Time at rest at the start of a stretch [s], and what counts as rest, over the quickest motion."""
+RESTS = 0.3
+"""Time at rest at the start of a stretch [s]."""
+STILL = 0.05
+"""Largest speed that counts as rest, over the quickest motion."""
 
 
 @dataclass(frozen=True)

@@ -50,8 +50,12 @@ SETTLED = 5.0
 GROWN = 10.0
 """An unstable linear loop is followed until its answer has grown so many times."""
 LEVELS = {"one_per_cent": 0.01, "ten_per_cent": 0.1}
-SMALLEST, FARTHEST, WIDEST = 1e-4, 5.0, 3.0
-"""Sizes that are tried: the smallest [m or rad], the largest in metres and in radians."""
+SMALLEST = 1e-4
+"""Smallest size that is tried [m or rad]."""
+FARTHEST = 5.0
+"""Largest size that is tried [m]."""
+WIDEST = 3.0
+"""Largest size that is tried [rad]."""
 COARSE, FINE, ROUNDS = 28, 6, 2
 
 

@@ -88,8 +88,12 @@ def tunable(law: Law) -> tuple[str, ...]:
     return (*own, "gains.kinematics.k") if own and law.traits.auxiliary else own
 
 
-SPREAD, WIDEST, DIGITS = 0.4, 3.4, 4
-"""First step and bound of the search in logarithms; digits of a gain."""
+SPREAD = 0.4
+"""First step of the search, in logarithms."""
+WIDEST = 3.4
+"""Bound of the search, in logarithms."""
+DIGITS = 4
+"""Digits of a gain."""
 
 
 @dataclass(frozen=True, order=True)

@@ -21,8 +21,12 @@ INSIDE = 0.99
 SAME = 1e-6
 """Difference of velocities [m/s, rad/s] that is none."""
 
-SHORTEST, LONGEST, RATIO = 1e-4, 10.0, 1.15
-"""Periods that are tried [s], and the factor from one to the next."""
+SHORTEST = 1e-4
+"""Shortest period that is tried [s]."""
+LONGEST = 10.0
+"""Longest period that is tried [s]."""
+RATIO = 1.15
+"""Factor from one period to the next."""
 MARGIN = 1e-9
 """A spectral radius this close to 1 is marginal: so is e2 while the reference stands still."""
 RTOL = 1e-7

@@ -23,8 +23,10 @@ if TYPE_CHECKING:
     from .loop import Loop
     from .surroundings import Surroundings
 
-STEPS, STRIDE = 200, 0.2
-"""Newton steps at most; the largest change of error or velocity in one [m, rad, m/s, rad/s]."""
+STEPS = 200
+"""Most Newton steps."""
+STRIDE = 0.2
+"""Largest change of error or velocity in a step [m, rad, m/s, rad/s]."""
 LEFT = 1e-12
 """Change from sample to sample that is none."""
 COST = 0.4
