@@ -101,7 +101,6 @@ class Claims:
         by: Method | str | Callable[..., Method] | None = None,
         form: str = "",
         premises: str | None = None,
-        wording: str = "",
         over: Iterable[Mapping[str, Any]] = (),
         each: Mapping[str, Mapping[str, Any]] = {},
         **values: Any,
@@ -109,9 +108,9 @@ class Claims:
         """Decorator that enters a function as the claim ``id`` about these equations of the paper.
 
         ``given``: the hypotheses as text if the docstring has none.  ``by``: a method or a given
-        verdict.  ``premises``: ids.  ``wording``: the claim as text if the docstring belongs to
-        another one.  ``values`` replace their names in braces in every text, and in each other.
-        They are also passed to the function (and to ``by``) if it has such arguments.  ``over``:
+        verdict.  ``premises``: ids.  ``values`` replace their names in braces in every text, and in
+        each other.  They are also passed to the function (and to ``by``) if it has such arguments.
+        ``over``:
         one claim for each of these tables, which may have their own ``equations`` and ``each``.
         ``each``: one claim of several statements, by name, one for each of these tables.
         """
@@ -132,7 +131,7 @@ class Claims:
                 self.listed.append(
                     Claim(
                         text(id), table.get("equations", equations), form or self.form,
-                        text(wording or claimed).removesuffix("."),
+                        text(claimed).removesuffix("."),
                         text(meaning.strip() or self.meaning),
                         _filled(told, known).removesuffix("."),
                         called if engine else None, engine, "" if engine else str(method),

@@ -4,7 +4,7 @@ import tomllib
 from collections import Counter
 from pathlib import Path
 
-from wmr_ctrl.results.ledger import load
+from wmr_ctrl.results.ledger import REFUTED, load
 from wmr_proofs.paper import equations
 
 HEAD = """\
@@ -37,6 +37,7 @@ def page(ledger=None, stale=()):
     parts += [_folded(f"All {len(equations())} equations", _index(shown)), "## By guarantee\n"]
     parts += ["What is not in the paper.\n", _folded("All guarantees", _guarantees(known))]
     parts += [CHAINS, _folded("All chains", _chains(known))]
+    parts += [ROUNDED, _folded("All operations", _roundings(shown))]
     themes = {}
     for entry in shown.entries:
         themes.setdefault(entry.theme, []).append(entry)
@@ -99,6 +100,26 @@ def _chains(known):
         for key in ids:
             lines += _chain(known, key, 1, shown)
     return "\n".join(lines) + "\n"
+
+
+ROUNDED = """\
+## By operation
+
+What the compiled text computes, how far it is from the exact result or what holds of it in spite of
+rounding, and the entries that use this.
+"""
+
+
+def _roundings(ledger):
+    found = []
+    for entry in ledger.entries:
+        noticed = [name for name, said in entry.altered.items() if said == REFUTED]
+        if ".rounding" in entry.id and noticed:
+            used = [other.id for other in ledger.entries if entry.id in other.premises]
+            operation = ", ".join(name.rpartition(":")[2] for name in noticed)
+            cells = operation, entry.claim, entry.id, ", ".join(used) or "-"
+            found.append(f"| {' | '.join(map(_cell, cells))} |\n")
+    return f"| operation | bound | entry | used in |\n|---|---|---|---|\n{''.join(found)}"
 
 
 def _chain(known, key, depth, shown):

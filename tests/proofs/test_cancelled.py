@@ -29,7 +29,7 @@ ALL, BEYOND = Case("all"), Case("x > y > 0", {"a": POSITIVE, "b": POSITIVE},
 def claim_of(statement, method, **values):
     """The claim of this statement."""
     claims = Claims(by=method)
-    claims("own.cancelled", wording="what is cancelled is defined", **values)(statement)
+    claims("own.cancelled", **values)(statement)
     return claims.listed[0]
 
 

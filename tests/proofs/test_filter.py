@@ -13,7 +13,7 @@ from wmr_ctrl.control.filter import governor
 
 def test_clip_sends_what_any_linear_loop_may_add_up():
     """The clip keeps N |u| + delta <= V, with the peak gain N and the effect delta of pushes."""
-    assert_proved("filter.sent-clip.axes")
+    assert_proved("filter.sent-clip")
 
 
 def test_least_commands_act_and_are_as_safe_as_others():

@@ -23,7 +23,6 @@ EACH = list(dict.fromkeys(chain.from_iterable(CHECKS.values())))
 NOT_SAMPLED = {
     "*.rounding.*": "about every rounding; tests/control/filter and tests/control/guard",
     "guard.*rounding": "about every rounding; tests/control/guard",
-    "gate.governor": "a clip to limits, as in filter.sent; tests/control/filter/test_gate.py",
     "guard.flag.*": "about every rounding",
     "guard.assembled*": "graphs equal to other graphs; tests/control/guard/test_guard.py",
     "guard.axes": "an equality of graphs",

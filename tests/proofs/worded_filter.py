@@ -211,22 +211,22 @@ def governed(rng):
     return _governed(rng, {})
 
 
-@about("filter.sent.axes")
+@about("filter.sent")
 def governed_axes(rng):
     return joined(_governed(rng, more) for more in shapes_of({}))
 
 
-@about("filter.sent.wheels", "filter.rims.wheels")
+@about("filter.sent", "filter.rims")
 def governed_wheels(rng):
     return joined(_governed(rng, more) for more in shapes_of(WHEELS))
 
 
-@about("filter.sent.beside", "filter.rims.beside")
+@about("filter.sent", "filter.rims")
 def governed_beside(rng):
     return joined(_governed(rng, more) for more in shapes_of(BESIDE))
 
 
-@about("filter.assembled.jitter", "filter.assembled.losses", "filter.assembled.hold")
+@about("filter.assembled.late")
 def governed_late(rng):
     times = {"filter.jitter": PERIOD / 2, "filter.losses": 2, "filter.hold": 5 * PERIOD}
     return joined(_governed(rng, {key: value}) for key, value in times.items())
@@ -291,7 +291,7 @@ def least_commands(rng):
     return found
 
 
-@about("filter.sent-clip.axes", "filter.sent-clip.wheels", "filter.sent-clip.beside")
+@about("filter.sent-clip")
 def clips(rng):
     shapes = [*shapes_of({}), *shapes_of(WHEELS), *shapes_of(BESIDE)]
     return joined(_clipped(rng, {**loop, **more}) for loop in (CLIP, LINEAR) for more in shapes)
@@ -321,9 +321,7 @@ def slow(rng):
     return found
 
 
-@about(
-    "filter.band.sent", "filter.band.sent-stop", "filter.band.sent.scales", "filter.band.sent.pi"
-)
+@about("filter.band.sent")
 def bands(rng):
     loop = {**LINEAR, "filter.kind": "band"}
     pi = {"filter.kind": "band", "filter.loop": "pi", "clock.control": PERIOD,
@@ -436,8 +434,7 @@ def _ramped(now, goal, up, down):
     return now + np.clip(stop - now, -most, most)
 
 
-@about("gate.inside", "gate.stop", "gate.stale", "gate.latched", "gate.rise", "gate.inside.axes",
-       "gate.inside.wheels", "gate.inside.beside")  # fmt: skip
+@about("gate.inside", "gate.stop", "gate.falls", "gate.rise")
 def gates(rng):
     shapes = [*shapes_of({}), *shapes_of(WHEELS), *shapes_of(BESIDE)]
     return joined(_gated(rng, more) for more in shapes)

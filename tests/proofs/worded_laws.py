@@ -88,8 +88,7 @@ def proximal(rng):
 
 
 @about(
-    "prox.jury", "prox.light-model", "prox.wrong-mass", "prox.wrong-mass-gentle",
-    "prox.any-mass.step", "prox.any-mass.step-gentle", "prox.not-expansive"
+    "prox.jury", "prox.light-model", "prox.wrong-mass", "prox.not-expansive"
 )  # fmt: skip
 def wrong_mass(rng):
     mu, a, L = 4 / 3 * np.maximum(share(rng), 1e-3), np.clip(share(rng), 1e-3, 1 - 1e-3), share(rng)

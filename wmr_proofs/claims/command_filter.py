@@ -6,13 +6,15 @@ One axis, all numbers symbols.  tau, K and d may vary while a command acts, so t
 E v_0 + (1 - E) m with E = exp(-int dt/tau) and m a mean of K u + d (filter.mean).
 """
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
+from typing import TypeAlias
 
 from casadi import SX, expm1, fmax, fmin, if_else, logic_or
 
 from wmr_ctrl.control.filter import governor
-from wmr_ctrl.control.filter.channels import WAYS
+from wmr_ctrl.control.filter.channels import WAYS, Channel
 from wmr_ctrl.control.filter.governor import NEAR, FirstOrder, drive, drive_back, largest_command
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
@@ -26,6 +28,7 @@ from wmr_proofs.statement import (
     Statement,
     between,
     instance,
+    listed,
     nonnegative,
     positive,
     symbols,
@@ -191,7 +194,24 @@ Bounds of v and of omega, each for itself: one interval for both is the case in 
 """
 ALIKE = {"filter.tau": (0.2, 0.3), "filter.gain": (0.9, 1.1)}
 """What takes their place for wheels, whose loops are alike."""
-BY_SIDE: dict[str, object] = {"limits.v_min": (-0.5, -1.0), "limits.v_max": (1.0, 1.5)}
+Keys: TypeAlias = dict[str, object]
+"""Keys of a scenario."""
+WHEELED: Keys = {"filter.channels": "wheels", **ALIKE}
+BESIDE: Keys = {"filter.wheel_speed": 1.0, **ALIKE}
+SHAPES = {
+    f"{key} {scale}": {"more": {**more, "filter.scale": scale}}
+    for key, more, scales in (
+        ("axes", {}, ("curvature", "axes", "turn", "drive")),
+        ("wheels", WHEELED, ("curvature", "turn", "drive")),
+        ("beside", BESIDE, ("turn", "drive")),
+    )
+    for scale in scales
+}
+"""Limited speeds, and ways to scale a command.
+
+One factor beside limits of wheels is in filter.rounding.beside.
+"""
+BY_SIDE: Keys = {"limits.v_min": (-0.5, -1.0), "limits.v_max": (1.0, 1.5)}
 """A limit of each direction, every one a symbol of its own."""
 SIDES = {
     f"{name}-{way}": {"side": side, "axis": axis}
@@ -274,22 +294,42 @@ def limits(mutation: Mutation) -> Statement:
     return Statement(elements_of(*ports_of(graph.system)), goals, given, cuts)
 
 
-@claim("filter.sent", premises="filter.limits", each=SIDES)
-def sent(mutation: Mutation, side: int, axis: int) -> Statement:
-    """on each axis, forwards and backwards: the command that the whole filter sends is at most the
-    step's limit, for any request on both axes.
+def arms(channels: list[Channel]) -> Relations:
+    """The half track of each wheel is positive."""
+    return positive(*(channel.arm for channel in channels if channel.ways[1]))
 
-    Nothing bypasses the filter: no command and no scaling of the other axis.
 
-    Given: {ASSEMBLED}; the four limits at least 0 (filter.limits).
+@claim(
+    "filter.sent",
+    premises="filter.limits",
+    each={
+        f"{name}{told}": {"limits": limits, **shape}
+        for told, limits in (("", {}), (" by direction", BY_SIDE))
+        for name, shape in SHAPES.items()
+        if not limits or name.startswith("axes")
+    },
+)
+def sent(mutation: Mutation, more: Keys, limits: Keys) -> Statement:
+    """|w| is at most the step's limit, either way, w each limited speed of the command that the
+    whole governor sends, for any request on both axes: v and omega, both wheels, or all of
+    these, in each way to scale but one factor beside wheels.
+
+    Nothing bypasses the filter, whichever speeds it limits and however it scales.
+
+    Given: {COMMANDS}, any odometry, any time since the last sample; l > 0; the limits above 0, one
+    for both directions, or, of v and omega alone, one of each direction, at least 0
+    (filter.limits).
     """
-    step = AssembledStep(side, axis)
-    every = {f"limit {s} {i}": step.graph.limits[s][i] for s, i in product(range(2), repeat=2)}
-    given = nonnegative(*every.values())
-    every["numbers are sound"] = step.graph.sound
-    most, commands = mutation(1, 0.99) * step.limit, (step.graph.sent, step.graph.safe)
-    goals = tuple(most >= step.way * command[axis] for command in commands)
-    return Statement(step, goals, given, every)
+    graph = Governor(load_scenario("paper-simulation", STATED | limits | more))
+    least, given = (nonnegative, []) if limits else (positive, [arms(graph.channels)])
+    cuts, goals = {"numbers are sound": graph.sound}, Group()
+    for side, way in enumerate(WAYS):
+        for i, (channel, limit) in enumerate(zip(graph.channels, graph.limits[side], strict=True)):
+            cuts[f"limit {side} {i}"] = limit
+            given.append(least(limit))
+            most = mutation(1, 0.99) * limit
+            goals += [most >= way * channel.of(command) for command in (graph.sent, graph.safe)]
+    return Statement(elements_of(*ports_of(graph.system)), goals, given, cuts)
 
 
 @claim("filter.assembled", premises="filter.sent", each=SIDES)
@@ -392,10 +432,11 @@ def induced(mutation: Mutation, side: int, axis: int) -> Statement:
     free, graph, share, least = step.free, step.graph, 1 - step.free.E, step.cuts["-least"]
     safe, kept = graph.safe[axis], graph.following[side][axis]
     values = {"u": step.way * safe, "share": share}
-    taken = []
+    taken, told, k = [], sent(CLAIMED, {}, BY_SIDE), 4 * side + 2 * axis
     for part in (
         limits(CLAIMED),
-        *(item(CLAIMED, side, axis) for item in (sent, assembled, carried)),
+        replace(told, goals=listed(told.goals)[k : k + 2]),
+        *(item(CLAIMED, side, axis) for item in (assembled, carried)),
     ):
         own = {name: step.symbols[name] for name in part.symbols if name in step.symbols}
         taken.append(instance(part, own | values if "u" in own else own))

@@ -4,9 +4,10 @@ at punctual samples and at any time.
 Tables of a few pieces and the tail: the pieces of longer tables are all treated in the same way.
 """
 
+from functools import reduce
 from itertools import product
 
-from casadi import SX, fmax, sum1, vertcat
+from casadi import SX, fmax, logic_and, sum1, vertcat
 
 from wmr_ctrl.control.filter.band import BandGovernor
 from wmr_ctrl.control.filter.forecast import (
@@ -24,20 +25,20 @@ from wmr_ctrl.control.filter.forecast import (
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
 from wmr_proofs.statement import (
-    Cuts,
+    Group,
     Named,
     Relations,
     Statement,
-    Symbols,
     between,
     nonnegative,
     stacked,
     symbols,
+    when,
     within,
 )
 
-from .command_filter import STATED
-from .common import BOTH_AXES, elements_of
+from .command_filter import STATED, Keys
+from .common import elements_of, ports_of
 
 claim = Claims()
 WAYS = {"over": {"way": 1}, "under": {"way": -1}}
@@ -256,45 +257,40 @@ BANDED = {
 """Settings for the structure of the band's graph; its numbers are symbols."""
 
 
-def _whole(axis: int) -> tuple[BandGovernor, Symbols, Cuts]:
-    """The band's graph, its inputs by name, and as cuts its ends and the remainder after a stop."""
-    graph = BandGovernor(load_scenario("paper-simulation", BANDED))
-    cuts = {f"end {i} {k}": end for i, pair in enumerate(graph.ends) for k, end in enumerate(pair)}
-    cuts |= {f"stop {i}": most for i, most in enumerate(graph.stopping)} | {"sound": graph.sound}
-    return graph, elements_of(*graph.system.inputs, graph.last), cuts
+@whole_claim(
+    "filter.band.sent",
+    each={
+        **{scale: {"stated": BANDED | {"filter.scale": scale}}
+           for scale in ("curvature", "axes", "turn", "drive")},
+        "pi": {"stated": {
+            "filter.kind": "band", "filter.loop": "pi", "clock.control": 0.1,
+            "filter.mass": (50.0, 65.0), "filter.inertia": (4.0, 6.0), "filter.kp": (135.0, 165.0),
+            "filter.ki": (270.0, 330.0)}},
+    },
+)  # fmt: skip
+def sent(mutation: Mutation, stated: Keys) -> Statement:
+    """u_before - fall <= u <= u_before + rise, u what the whole band sends on each axis; where 0 is
+    between these ends on both, |u| <= the largest command behind which 0 may follow, and u never
+    turns against what was asked for: for second-order loops, scaled in any way, and PI ones, by one
+    factor.
 
+    Nothing bypasses the filter: no command and no scaling of the other axis. Behind every command
+    that is sent in time 0 may follow.
 
-@whole_claim("filter.band.sent", each=BOTH_AXES)
-def sent(mutation: Mutation, axis: int) -> Statement:
-    """u_before - fall <= u <= u_before + rise, u what the whole band sends on each axis.
-
-    Nothing bypasses the filter: no command and no scaling of the other axis.
-
-    Given: {COMMANDS}, at any time; one factor for v and omega; sound parameters; 0 <= the admitted
-    fall and rise, and 0 <= the largest command that 0 may follow.
+    Given: {COMMANDS}, at any time; 0 <= what a fall and a rise are admitted together, and 0 <= the
+    largest command behind which 0 may follow; the first of these goals for parameters that are
+    sound, the others for any.
     """
-    graph, named, cuts = _whole(axis)
-    (low, high), u = graph.ends[axis], mutation(1, 1.1) * graph.sent[axis]
-    stops = nonnegative(*graph.stopping)
-    given = tuple(most >= least for least, most in graph.ends), stops, graph.sound == 1
-    return Statement(named, (high >= u, u >= low), given, cuts)
-
-
-@whole_claim("filter.band.sent-stop", each=BOTH_AXES)
-def sent_stop(mutation: Mutation, axis: int) -> Statement:
-    """|u| <= the largest command that 0 may follow, with the command u that the whole band sends on
-    each axis, and u never has the opposite sign of the request.
-
-    After every punctual command, 0 may follow.
-
-    Given: {COMMANDS}; one factor for v and omega; any parameters; 0 is within the admitted fall and
-    rise, and 0 <= the largest command that 0 may follow.
-    """
-    graph, named, cuts = _whole(axis)
-    u = mutation(1, 1.1) * graph.sent[axis]
-    around = [nonnegative(high, -low) for low, high in graph.ends]
-    goals = within(u, graph.stopping[axis]), u * graph.command[axis] >= 0
-    return Statement(named, goals, (around, nonnegative(*graph.stopping)), cuts)
+    graph = BandGovernor(load_scenario("paper-simulation", stated))
+    cuts, goals, given = {"sound": graph.sound}, Group(), Group()
+    around = [item for low, high in graph.ends for item in (low <= 0, high >= 0)]
+    for i, (low, high) in enumerate(graph.ends):
+        stop, u = graph.stopping[i], mutation(1, 1.1) * graph.sent[i]
+        cuts |= {f"low {i}": low, f"high {i}": high, f"stop {i}": stop}
+        given += [high >= low, stop >= 0]
+        goals += when(graph.sound, between(low, u, high))
+        goals += when(reduce(logic_and, around), (within(u, stop), u * graph.command[i] >= 0))
+    return Statement(elements_of(*ports_of(graph.system)), goals, given, cuts)
 
 
 @whole_claim("filter.band.beat")

@@ -136,8 +136,8 @@ def stays(mutation: Mutation) -> Statement:
     The computed remainder of earlier effects is not too small, however short the time since the
     last sample.
 
-    Given: g >= 0, g (1 + x + x^2/2) <= 1, x the rate times the time since the last sample;
-    operations rounded by at most 2^-53.
+    Given: g, rate, time >= 0, g (1 + x + x^2/2) <= 1, x = rate time, the time since the last
+    sample; operations rounded by at most 2^-53.
     """
     s = symbols("rate time g made")
     rate, time, g, made = s.values()

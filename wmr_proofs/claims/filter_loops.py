@@ -36,12 +36,14 @@ from wmr_proofs.statement import (
 )
 from wmr_proofs.traced import Traced, expression, functions_for_traced, traced
 
-from .command_filter import STATED
+from .command_filter import STATED, Keys
 from .common import BOTH_AXES, PRESET, elements_of, ports_of, scalars
 from .effect_bounds import EffectGraph
 
 claim = Claims()
-LINEAR = {"filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0)}
+LINEAR: Keys = {
+    "filter.kind": "clip", "filter.loop": "second-order", "filter.damping": (0.5, 1.0),
+}  # fmt: skip
 """Settings for the structure of the clip of linear loops; its numbers are symbols."""
 
 

@@ -129,9 +129,9 @@ def piece(mutation: Mutation, sign: int, goes: str) -> Statement:
 
     In any piece of time, however short, the computed bound becomes too small by at most 2^-44 V.
 
-    Given: w + e >= v, the speed; w, the computed bound; mean <= target + d, most d <= 2^-48 V, most
-    |target| <= 4 V; 0 <= least <= share <= most <= 1, the computed shares within 2^-49 of least and
-    most, and off beyond; off <= 2^-47, off |target| <= 1.625 2^-46 V.
+    Given: V > 0; e, d >= 0; w + e >= v, the speed; w, the computed bound; mean <= target + d, most
+    d <= 2^-48 V, most |target| <= 4 V; 0 <= least <= share <= most <= 1, the computed shares within
+    2^-49 of least and most, and off beyond; off <= 2^-47, off |target| <= 1.625 2^-46 V.
     """
     s = symbols("V w v d target mean share most least most_as least_as e off", "V")
     V, e, most, share = s.V, s.e, s.most, s.share
@@ -261,7 +261,7 @@ def agrees(mutation: Mutation) -> Statement:
 
 @claim("filter.rounding.free.way")
 def way(mutation: Mutation) -> Statement:
-    """x <= farthest(w, m, t) + 1.25 2^-27 V t.
+    """x <= the computed farthest(w, m, t) + 1.25 2^-27 V t.
 
     In a piece of time the base moves hardly farther than computed.
 
@@ -297,8 +297,8 @@ def line(mutation: Mutation) -> Statement:
 
     The line that limits a command by a distance is computed accurately enough.
 
-    Given: 0 <= q <= 1, 0 <= A = tau q <= D, 0 <= A_B; q computed to within 2^-49; operations
-    rounded by at most 2^-53.
+    Given: tau > 0, 0 <= q <= 1, 0 <= A = tau q <= D, 0 <= A_B; q computed to within 2^-49;
+    operations rounded by at most 2^-53.
     """
     t = symbols("tau acts last at q fading minus s r")
     D, A, none = t.acts + (t.last - t.at), t.tau * t.q, SX(0)
@@ -319,8 +319,8 @@ def command(mutation: Mutation) -> Statement:
 
     A computed command satisfies its line, except for rounding.
 
-    Given: 0 < s; 0 <= r, d, speed; way, r max(speed, d) <= F; |room| <= 4 F, all as computed; 0 <=
-    u <= hi; operations rounded by at most 2^-53.
+    Given: 0 < K_max, s; 0 <= r, d, speed, way; way, r max(speed, d) <= F; |room| <= 4 F, all as
+    computed; 0 <= u <= hi; operations rounded by at most 2^-53.
     """
     t, none = symbols("F K push room s r way speed u hi"), SX(0)
     F, K, push, room, s, r, way, speed, u, hi = t.values()
@@ -440,35 +440,30 @@ def kept(mutation: Mutation, on: str, scale: str, spare: float) -> Statement:
     return Statement(a, goals, a.stated, computed=a.computed(sent))
 
 
-@command_claim("filter.rounding.beside")
-def beside(mutation: Mutation) -> Statement:
+@command_claim("filter.rounding.beside", each={"asked": {"cut": False}, "sent": {"cut": True}})
+def beside(mutation: Mutation, cut: bool) -> Statement:
     """v and omega before they are cut are within (1 + 2^-50) of their limits, the wheels' speeds
-    within 2^-49 M of theirs.
+    within 2^-49 M of theirs; of the command that is sent then, lo <= v, omega <= hi, and lo - 2^-48
+    M <= v + l omega, v - l omega <= hi + 2^-48 M.
 
-    One factor keeps v, omega and both wheels within their limits.
+    One factor keeps v, omega and both wheels within their limits, but for roundings; v and omega
+    that are cut at theirs take the wheels hardly further.
 
     Given: {BESIDE}; both axes scaled by one factor; {ROUNDED}.
     """
     a = Limited("both")
-    spare = mutation(1, 2.0**-6)
-    goals = a.kept(a.sent, spare * BEYOND, axes=True), a.kept(a.sent, spare * RIM / 2, axes=False)
-    return Statement(a, goals, a.stated, computed=a.computed(stretched(*a.asked, "curvature")))
+    asked = a.computed(stretched(*a.asked, "curvature"))
 
+    def known(spare: float) -> Relations:
+        """Limits before the cut, but for these shares of what roundings take."""
+        kept = a.kept(a.sent, spare * RIM / 2, axes=False)
+        return a.kept(a.sent, spare * BEYOND, axes=True), kept
 
-@command_claim("filter.rounding.beside-cut", premises="filter.rounding.beside")
-def beside_cut(mutation: Mutation) -> Statement:
-    """lo <= v, omega <= hi; lo - 2^-48 M <= v + l omega, v - l omega <= hi + 2^-48 M, of the
-    command that is sent.
-
-    Clipping v and omega at their limits moves the wheels beyond theirs by rounding only.
-
-    Given: {BESIDE}; v and omega before they are cut as in filter.rounding.beside.
-    """
-    a = Limited("both")
+    if not cut:
+        return Statement(a, known(mutation(1, 2.0**-6)), a.stated, computed=asked)
     sent = vertsplit(scaled(*a.asked, "curvature"))
-    known = a.kept(a.sent, BEYOND, axes=True), a.kept(a.sent, RIM / 2, axes=False)
     goals = a.kept(sent, 0, axes=True), a.kept(sent, mutation(RIM, RIM / 2), axes=False)
-    return Statement(a, goals, (a.stated, known), a.computed(stretched(*a.asked, "curvature")))
+    return Statement(a, goals, (a.stated, known(1)), asked)
 
 
 @command_claim("filter.rounding.slew-limit")

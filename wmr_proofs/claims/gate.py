@@ -1,4 +1,4 @@
-"""The gate before a clip of first-order loops, on the graph that is compiled.
+"""The gate before a clip or governor of first-order loops, on the graph that is compiled.
 
 Times and ramps are the defaults of `GateSettings`; any numbers come in.
 """
@@ -12,11 +12,11 @@ from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.core.signals import Signal
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.statement import Cuts, Group, Relations, Statement, Symbols, exchanged, within
+from wmr_proofs.statement import Group, Relations, Statement, exchanged
 
+from .command_filter import SHAPES, Keys
 from .command_filter import STATED as OF_GOVERNOR
 from .common import elements_of, named_ports, ports_of
-from .filter_shapes import SHAPES, Keys, named_for
 
 STATED = {
     "filter.kind": "clip", "filter.gain": OF_GOVERNOR["filter.gain"], "filter.d": [0.05, 0.05],
@@ -74,17 +74,44 @@ class GateStep:
         return self.timed, self.below([fmax(abs(last[i]) - step[i], 0) for i in AXES])
 
 
-@claim("gate.inside")
-def inside(mutation: Mutation) -> Statement:
-    """|sent_i| <= (V_i - dbar_i)/K_max_i.
+BEHIND: dict[str, Keys] = {
+    **{name: {"stated": STATED | shape["more"], "of": Clip} for name, shape in SHAPES.items()},
+    "governor": {"stated": OF_GOVERNOR, "of": Governor},
+}
+"""Filters behind a gate."""
 
-    Whatever arrives, in any order and however late, the gate sends a command that the clip could
-    have sent, so the clip's theorem (filter.clip) covers the base.
 
-    Given: {SOUND}.
+@claim("gate.inside", premises="filter.limits", each=BEHIND)
+def inside(mutation: Mutation, stated: Keys, of: type[Clip] | type[Governor]) -> Statement:
+    """|w| <= (V - dbar)/K_max, w each limited speed of the command that the gate sends before a
+    clip: v and omega, both wheels, or all of these, in each way to scale but one factor beside
+    wheels; before a governor of v and omega, one factor, w is at most its limit of the step.
+
+    Whatever arrives, in any order and however late, the gate sends a command that the filter could
+    have sent, so the filter's theorem (filter.clip, filter.step) covers the base.
+
+    Given: a gate with its default times and ramps before a filter of first-order loops; l > 0; one
+    limit for both directions; (V - dbar)/K_max > 0 of each speed, V less 2^-26 of it, the
+    governor's four limits above 0 (filter.limits); every real input of any size, any time since
+    the last step.
     """
-    g = GateStep()
-    return Statement(g.symbols, g.below([mutation(1, 0.99) * top for top in g.limits]), g.sound)
+    scenario = load_scenario("paper-simulation", stated)
+    (system, goal), own = gate.gate_and_goal(scenario, SETTINGS), of(scenario)
+    ports, asked = ports_of(system), SX.sym("sent", 2)
+    sides = own.limits if isinstance(own, Governor) else [own.limits] * 2
+    speeds = [channel.of(asked) for channel in own.channels]
+    both = named_ports(*ports_of(own.system)), named_ports(*ports)
+    numbers = exchanged(vertcat(*speeds, *sides[0], *sides[1]), *both)
+    parts = vertsplit(substitute(numbers, asked, system.outputs[0].expr))
+    found, cuts = parts[: len(speeds)], {f"goal{i}": goal[i] for i in AXES}
+    goals, given = Group(), [item > 0 for name, item in both[1].items() if name == "robot.l"]
+    for side, way in enumerate(WAYS):
+        for i, w in enumerate(found):
+            limit = parts[(1 + side) * len(found) + i]
+            cuts[f"limit {side} {i}"] = limit
+            given.append(limit > 0)
+            goals.append(mutation(1, 0.99) * limit >= way * w)
+    return Statement(elements_of(*ports), goals, given, cuts)
 
 
 @claim("gate.stop")
@@ -100,30 +127,22 @@ def stop(mutation: Mutation) -> Statement:
     return Statement(g.symbols, goals, (g.sound, g[gate.STOP] > 0))
 
 
-@claim("gate.stale")
-def stale(mutation: Mutation) -> Statement:
-    """|sent_i| <= max(|last_i| - fall_i t, 0).
+@claim("gate.falls", each={"stale": {"latched": False}, "latched": {"latched": True}})
+def falls(mutation: Mutation, latched: bool) -> Statement:
+    """|sent_i| <= max(|last_i| - fall_i t, 0) where the command is older than timeout or the gate
+    is latched; if it is, it is so at the step after.
 
-    Without a recent command the base is brought to rest.
+    Without a recent command the base is brought to rest; what was stopped stays stopped until a
+    reset.
 
-    Given: {SOUND}; {GONE}; age of the command > timeout.
+    Given: {SOUND}; {GONE}; age of the command > timeout, or latched > 0, reset <= 0.
     """
     g = GateStep()
+    if latched:
+        given = g.sound, g[gate.LATCHED] > 0, -g[gate.RESET] >= 0
+        return Statement(g.symbols, (g.falling(mutation), g.system.update[-3] == 1), given)
     old = g[gate.COMMAND_AGE] > SX(SETTINGS.command_timeout)
     return Statement(g.symbols, g.falling(mutation), (g.sound, old))
-
-
-@claim("gate.latched")
-def latched(mutation: Mutation) -> Statement:
-    """|sent_i| <= max(|last_i| - fall_i t, 0), and the step after is latched as well.
-
-    After a stop the base stays stopped until a reset.
-
-    Given: {SOUND}; {GONE}; latched > 0, reset <= 0.
-    """
-    g = GateStep()
-    given = g.sound, g[gate.LATCHED] > 0, -g[gate.RESET] >= 0
-    return Statement(g.symbols, (g.falling(mutation), g.system.update[-3] == 1), given)
 
 
 @claim("gate.rise")
@@ -138,70 +157,3 @@ def rise(mutation: Mutation) -> Statement:
     step = [mutation(1, 0.9) * SETTINGS.rise[i] * g.gone for i in AXES]
     goals = g.timed, g.below([abs(g[gate.LAST][i]) + step[i] for i in AXES])
     return Statement(g.symbols, goals, g.sound, {f"goal{i}": g.goal[i] for i in AXES})
-
-
-@claim("gate.inside.{key}", over=SHAPES)
-def inside_shapes(mutation: Mutation, more: Keys, scales: tuple[str, ...]) -> Statement:
-    """|w| <= (V - dbar)/K_max, w each limited speed of the command that the gate sends: {limited}.
-
-    The gate sends a command that the clip could have sent, for any choice of limited speeds.
-
-    Given: a gate with its default times and ramps before a clip of first-order loops; l > 0; (V -
-    dbar)/K_max > 0 of each speed; every real input of any size, any time since the last step.
-    """
-    table, cuts = Symbols(), Cuts()
-    goals, given = Group(), Group()
-    for scale in scales:
-        scenario = load_scenario("paper-simulation", STATED | more | {"filter.scale": scale})
-        (system, goal), clip = gate.gate_and_goal(scenario, SETTINGS), Clip(scenario)
-        table |= named_for(elements_of(*ports_of(system)), scale)
-        sent = SX.sym("sent", 2)
-        speeds = [channel.of(sent) for channel in clip.channels]
-        own = named_ports(*clip.p.ports), named_ports(*system.params)
-        numbers = exchanged(vertcat(*clip.limits, *speeds), *own)
-        numbers = substitute(numbers, sent, system.outputs[0].expr)
-        limits, found = vertsplit(numbers, [0, len(speeds), 2 * len(speeds)])
-        for i, limit in enumerate(vertsplit(limits)):
-            cuts[f"limit {i} {scale}"] = limit
-            given.append(limit > 0)
-            goals += within(found[i], mutation(1, 0.99) * limit)
-        cuts |= {f"goal{i} {scale}": goal[i] for i in AXES}
-        given += [symbol > 0 for name, symbol in own[1].items() if name == "robot.l"]
-    return Statement(table, goals, given, cuts)
-
-
-class BehindGovernor:
-    """A gate before a governor, and the governor's limits in the gate's symbols."""
-
-    def __init__(self) -> None:
-        """Read both graphs."""
-        scenario = load_scenario("paper-simulation", OF_GOVERNOR)
-        system, self.goal = gate.gate_and_goal(scenario, SETTINGS)
-        self.governor = own = Governor(scenario)
-        self.ports = ports_of(system)
-        both = named_ports(*ports_of(own.system)), named_ports(*self.ports)
-        limits = vertcat(*(vertcat(*side) for side in own.limits))
-        self.limits, self.sent = exchanged(limits, *both), system.outputs[0].expr
-
-
-@claim("gate.governor", premises="filter.limits")
-def before_governor(mutation: Mutation) -> Statement:
-    """sent_i is at most the governor's limit of the step, either way.
-
-    Before a governor, too, the gate sends only commands that the filter could have sent
-    (filter.sent-*).
-
-    Given: a gate with its default times and ramps before a governor of v and omega, one factor; the
-    governor's four limits above 0 (filter.limits); every real input of any size, any time since the
-    last step.
-    """
-    g = BehindGovernor()
-    goals, cuts = Group(), {f"goal{i}": g.goal[i] for i in AXES}
-    given = Group()
-    for side, way in enumerate(WAYS):
-        for i in AXES:
-            limit = g.limits[2 * side + i]
-            cuts[f"limit {side} {i}"] = limit
-            given.append(limit > 0)
-            goals.append(mutation(1, 0.99) * limit >= way * g.sent[i])
-    return Statement(elements_of(*g.ports), goals, given, cuts)

@@ -5,8 +5,8 @@ A computed number is any result of rounding each operation by at most 2^-53 (2^-
 wheels, the conversion to torques and the motion.  `guard.rounding` composes them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import log2
 from typing import Any
 
 from casadi import SX, fmax, vertcat
@@ -122,55 +122,32 @@ def _within(most: SX, value: SX) -> Relations:
     return most >= value, most >= -value
 
 
-PARTS = ("force", "size", "anchor", "maps", "torques")
-
-
-def _words(precision: Precision, name: str, meaning: str, numbers: str) -> dict[str, Any]:
-    """Values in the texts for a precision."""
-    unit, spare = precision.unit, precision.spare
-    shares = {
-        "unit": unit, "left": precision.kept / 32, "quicker": precision.quicker, "reach": 4 * unit,
-        "spare": spare, "half_spare": spare / 2,
-    }  # fmt: skip
-    return {key: f"2^{int(log2(share))}" for key, share in shares.items()} | {
-        "precision": precision, "name": name, "meaning": meaning, "numbers": numbers,
-        "stated": "{ROUNDING_STATED}", "rounds": "; operations rounded by at most {unit}",
-        "parts": " ".join(f"guard.{name}.{part}" for part in PARTS),
-    }  # fmt: skip
-
-
-PRECISIONS = (
-    _words(
-        DOUBLE,
-        "rounding",
-        "The limit itself is kept for a sample by the exact robot behind the double-precision "
-        "guard, to the last bit: torque conversion, box, clip and braking branch are in it. "
-        "With f_min <= dbar and T and alpha of both axes alike, l M_min1 u1_1/(M_min2 u1_2) in "
-        "[1/22, 22] is enough: I/(m l^2) from 1/22 to 22 times u1_1/(l u1_2).",
-        "",
-    ),
-    _words(
-        SINGLE,
-        "rounding.single",
-        "A package in single precision keeps the limit, too, since its limit is lowered by 2^-15. "
-        "Same range.",
-        ", no fused multiply-add; numbers as the package holds them, its v_u1 being u1 (1 - 2^-15) "
-        "to 2^-24",
-    ),
+PRECISIONS = {"double": {"precision": DOUBLE}, "single": {"precision": SINGLE}}
+PARTS = " ".join(
+    f"guard.rounding.{part}" for part in ("force", "size", "anchor", "maps", "torques")
 )
 claim = Claims(premises="assumption.libm")
 
 
-@claim("guard.{name}.force", over=PRECISIONS, each=WAYS)
+def in_each(parts: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """These parts of an entry in each precision."""
+    return {
+        f"{name}-{key}": {**part, **row}
+        for name, row in PRECISIONS.items()
+        for key, part in parts.items()
+    }
+
+
+@claim("guard.rounding.force", each=in_each(WAYS))
 def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
-    """the computed force F^ has F^ + net + 432 {unit} K <= max(M_min alpha (u1 (1 - {left}) -
+    """the computed force F^ has F^ + net + 432 unit K <= max(M_min alpha (u1 (1 - kept/32) -
     max(v, f_speed)), 0), and the same of -F^ and -v.
 
     The computed force keeps the limit ahead and back, with room for the rounding of the wheels'
     torques; the braking branch is included.
 
-    Given: {stated}; |v| <= u1, |y - v| <= nbar + {unit} |v|{rounds}; backwards lo(y) = -hi(-y), so
-    this claim ahead applies.
+    Given: {ROUNDING_STATED}; |v| <= u1, |y - v| <= nbar + unit |v|; back, lo(y) = -hi(-y) is what
+    this says ahead.
     """
     # Ahead, whatever lo is: hi is clipped to last.  Back, lo being what hi is ahead, mirrored.
     a = RoundedAxis(precision=precision)
@@ -182,13 +159,13 @@ def force(mutation: Mutation, way: int, precision: Precision) -> Statement:
     return Statement(a, goal, given, {"lo": floor(a.y, b)}, computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}.size", over=PRECISIONS)
+@claim("guard.rounding.size", each=PRECISIONS)
 def size(mutation: Mutation, precision: Precision) -> Statement:
-    """|F^| <= (K + max(-net, 0)) (1 + {quicker}).
+    """|F^| <= (K + max(-net, 0)) (1 + 8 unit).
 
     No computed force is large enough to make its rounding matter.
 
-    Given: {stated}{rounds}.
+    Given: {ROUNDING_STATED}.
     """
     # Of what may be asked, and of the safe point.
     a = RoundedAxis(precision=precision)
@@ -197,13 +174,13 @@ def size(mutation: Mutation, precision: Precision) -> Statement:
     return Statement(a, goals, a.stated, computed=a.text(a.asked), unit=precision.unit)
 
 
-@claim("guard.{name}.anchor", over=PRECISIONS)
+@claim("guard.rounding.anchor", each=PRECISIONS)
 def anchor(mutation: Mutation, precision: Precision) -> Statement:
     """the computed safe point is at most the computed min(brake, cap).
 
     The computed force keeps the reserve that the wheels need.
 
-    Given: {stated}{rounds}.
+    Given: {ROUNDING_STATED}.
     """
     a = RoundedAxis(precision=precision)
     most = mutation(1, 0.99) * a.most
@@ -212,15 +189,15 @@ def anchor(mutation: Mutation, precision: Precision) -> Statement:
     return Statement(a, goals, a.stated, computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}.maps", over=PRECISIONS, each={kind: {"kind": kind} for kind in MAPS})
+@claim("guard.rounding.maps", each=in_each({kind: {"kind": kind} for kind in MAPS}))
 def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
-    """the computed result of each map is between the requested force and the safe point, to 12
-    {unit} (G1 + G2/l) in N, l times that in N m.
+    """each map as computed ends between the asked force and the safe point, to 12 unit (G1 + G2/l)
+    in N, l times that in N m.
 
     The rounding of the torque limit does not undo the guard.
 
     Given: any phi and l > 0; |F_i| <= G_i, |safe_i| <= cap_i <= G_i, cap1 + cap2/l <= phi (1 +
-    {reach}){rounds}.
+    4 unit); {PRECISION}.
     """
     t = _wheels()
     given: list[Relations] = [positive(t.half, t.phi)]
@@ -240,14 +217,14 @@ def mapped(mutation: Mutation, kind: str, precision: Precision) -> Statement:
     return Statement(t, goals, given, computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}.torques", over=PRECISIONS)
+@claim("guard.rounding.torques", each=PRECISIONS)
 def converted(mutation: Mutation, precision: Precision) -> Statement:
     """the exact force of the computed torques differs from the force that was converted by at most
-    5 {unit} (|F| + |N|/l), the moment by l times that.
+    5 unit (|F| + |N|/l), the moment by l times that.
 
     The plant is pushed by torques, which are rounded numbers as well.
 
-    Given: any force, r, l > 0; r and l are the plant's{rounds}.
+    Given: any force, r, l > 0; r and l are the plant's; {PRECISION}.
     """
     t = _wheels()
     half, asked = t.half, vertcat(t.force1, t.force2)
@@ -259,16 +236,21 @@ def converted(mutation: Mutation, precision: Precision) -> Statement:
     return Statement(t, goals, positive(half, t.r), computed=computed, unit=precision.unit)
 
 
-@claim("guard.{name}", premises="{parts} guard.axes guard.lemma", over=PRECISIONS)
+@claim("guard.rounding", premises=f"{PARTS} guard.axes guard.lemma", each=PRECISIONS)
 def together(mutation: Mutation, precision: Precision) -> Statement:
     """max(v, f_speed) + t max(F + net, 0)/M <= u1 for all t in [0, T], F the exact force of the
     torques that the compiled text computes: from |v| <= u1 to |v| <= u1, and the same for -v.
 
-    {meaning}
+    The limit itself is kept for a sample by the exact robot behind the double-precision guard, to
+    the last bit: torque conversion, box, clip and braking branch are in it. A package in single
+    precision keeps it, too, since its limit is lowered by 2^-15. With f_min <= dbar and T and alpha
+    of both axes alike, l M_min1 u1_1/(M_min2 u1_2) in [1/22, 22] is enough: I/(m l^2) from 1/22 to
+    22 times u1_1/(l u1_2).
 
-    Given: {stated}; both axes; G1 + G2/l <= 24 K1, l G1 + G2 <= 24 K2, G = (K + max(-net, 0)) (1 +
-    {quicker}); min(brake1, cap1) + min(brake2, cap2)/l <= (2 tau_max/r) (1 + {reach}); no overflow,
-    no underflow{numbers}.
+    Given: {ROUNDING_STATED}; both axes; G1 + G2/l <= 24 K1, l G1 + G2 <= 24 K2, G = (K + max(-net,
+    0)) (1 + 8 unit); min(brake1, cap1) + min(brake2, cap2)/l <= (2 tau_max/r) (1 + 4 unit); no
+    overflow, no underflow; in single precision no fused multiply-add, and numbers as the package
+    holds them, its v_u1 being u1 (1 - 2^-15) to 2^-24.
     """
     # ``hat``: the exact force of the torques; ``asked`` and ``most``: the forces it is between.
     a = RoundedAxis(precision=precision)
