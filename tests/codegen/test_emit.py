@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.codegen.compiled import compiled, machine, made
-from wmr_ctrl.codegen.emit import definition
+from wmr_ctrl.codegen.emit import definition, split
 
 INPUTS = 6
 
@@ -99,6 +99,14 @@ def test_networks_become_short_loops():
     assert text.count("for (int j = 0; j < 64; ++j)") == 2
     assert text.count("for (int j = 0; j < 8; ++j)") >= 2
     assert len(text.splitlines()) < 120
+
+
+@pytest.mark.parametrize("whole, prepared", [(False, 1), (True, 2)])
+def test_cheap_values_of_parameters_are_prepared_only_where_all_are(whole, prepared):
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    before, _ = split(made(ca.vertcat(x * (p + 1), x * ca.sin(p)), x=x, p=p).graph, whole=whole)
+
+    assert len(before.stores) == prepared
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -64,7 +64,9 @@ def test_what_is_wrong_is_placed(lines, words):
 def test_columns_are_named_by_hand_with_their_unit():
     named = TableReader("way", {"t": "s"}, ("t",), columns={"t": "stamp [ms]"})
 
-    assert list(named.scaled({"stamp": [500.0], "t2": [1.0]}).columns["t"]) == [0.5]
+    scaled = named.scaled({"stamp": [500.0, 750.0], "t2": [1.0, 2.0]})
+
+    assert (list(scaled.columns["t"]), list(scaled.lines)) == ([0.5, 0.75], [1, 2])
     with pytest.raises(ScenarioError, match='no columns are named "stamp", which is to be t'):
         named.read(["time", "1"])
 
