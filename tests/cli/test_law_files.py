@@ -1,4 +1,4 @@
-"""Laws of a user, from a file with LAW or as a Law; a sentence explains each error in one."""
+"""A user's laws, from a file with LAW or as a Law; each error is explained in a sentence."""
 
 import numpy as np
 import pytest

@@ -42,7 +42,7 @@ class Kanayama(LawWithObserver):
 
 
 class Pursuit(Kanayama):
-    """An arc to a point ahead of the reference, above the same velocity loop."""
+    """Arc to a point ahead of the reference, followed by the same velocity loop."""
 
     def _wanted(self, sight):
         ahead, left, way = self._point(sight)

@@ -65,7 +65,7 @@ NONE = -1.0
 PAIR = (0.0, 0.0)
 """Velocities [m/s, rad/s] where there are none."""
 OWN_INPUTS = 9
-"""Numbers that each gate takes, before limits and free ways."""
+"""Numbers that each gate takes, before limits and free distances."""
 
 
 class Gate:

@@ -280,7 +280,7 @@ def way(mutation: Mutation) -> Statement:
 
 
 class Line(Stop[SX]):
-    """A stop whose room, and s and r of whose line, are symbols."""
+    """A stop with symbols for its room and for s and r of its line."""
 
     def room(self, free: SX) -> SX:
         """The room itself."""

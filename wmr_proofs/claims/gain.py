@@ -30,7 +30,7 @@ from .sampled import SETTINGS
 
 
 def reach(delta: Any, B: Any) -> Any:
-    """8 delta + B, in front of rho M/D."""
+    """Factor of rho M/D in v*: 8 delta + B."""
     return 8 * delta + B
 
 

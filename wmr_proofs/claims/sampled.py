@@ -160,7 +160,7 @@ def _pair(y_side: str, v_side: str, jump: str) -> Case:
 
 
 class NewtonStep:
-    """One period of one axis under decay = "exact", with free numbers for the law's inner ones.
+    """One period of one axis under decay = "exact", with symbols for the law's inner values.
 
     ``free``: V1/A, q, v_c0', exp(-rho T) - 1; w; V1 and slopes at v (before) and at v+ (after).
     """

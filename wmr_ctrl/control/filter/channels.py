@@ -58,7 +58,7 @@ FLAG_NAMES = {
     LIMIT_REFUSED: "limit-refused",
 }
 TOLD_FLAGS = (SLOWING, NEAR_BY, NO_DISTANCE, LIMIT_REFUSED)
-"""Flags of a filter that is told limits or free ways."""
+"""Flags of a filter that is told limits or free distances."""
 FLAG_MEANINGS = {
     LIMITED: "the command was not sent as it came",
     UNUSED: "no odometry was used",

@@ -73,7 +73,7 @@ class Lagging:
         return Lagging((now[0], now[1]), (after[0], after[1]), self.rise, self.rise_late)
 
     def left(self, room: ca.SX, again: ca.SX, b: Bounds) -> list[ca.SX]:
-        """Bounds [m/s or rad/s] on the room, less ``again``, for a p larger than Z."""
+        """Bounds [m/s or rad/s] on the room, less ``again``, if p is larger than Z."""
         sure = room - again + self.rise * self.after[0] / b.M_min
         lines = [sure / (1 + b.alpha * self.rise)]
         if b.jitter is not None:
