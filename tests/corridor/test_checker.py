@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from tests.corridor.further import burger
 from tests.papers_robot import safe
-from tests.tables import cases
+from tests.tables import cases, changes
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.scenario import load_scenario
-from wmr_proofs.corridor import stated, whole
+from wmr_proofs.corridor import stated
 from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.following import Following
@@ -25,6 +26,7 @@ from wmr_proofs.corridor.passage import Passing
 from wmr_proofs.corridor_check import check as checker
 from wmr_proofs.corridor_check.certificate import Certificate
 from wmr_proofs.corridor_check.check import check, in_the_long_run, latched
+from wmr_proofs.corridor_check.graphs import Graph
 from wmr_proofs.corridor_check.intervals import RULES, RefusedError
 
 FREE = {"guard.enabled": False}
@@ -101,6 +103,9 @@ WAYS = cases("""
     observer, noise | kanayama | sensor.velocity_noise = [1e-3, 2e-3]; guard.enabled = false
     late drives     | prox     | actuator = {delay = 0.01, lag = 0.01}; guard.enabled = false; \
 disturbance.std = 0.3
+    nothing         | mb       | disturbance.std = 0.0
+    a start alone   | mb       | disturbance.std = 0.0; corridor.start = [2e-3, 2e-3, 0.02]; \
+clock.duration = 3.0
 """)
 
 
@@ -112,7 +117,9 @@ def test_checker_finds_the_width_of_a_whole_run(name, law, told):
     assert (position < 1.004 * bounds.position + 1e-6).all()
     assert (heading < 1.004 * bounds.heading + 1e-5).all()
     assert position.max() > 0.93 * bounds.position.max()
-    assert stated.checked_run(passing, bounds).checked
+    shown = stated.checked_run(passing, bounds)
+    assert (shown.position >= np.maximum(position, bounds.position)).all()
+    assert (shown.heading >= np.maximum(heading, bounds.heading)).all()
 
 
 @pytest.mark.parametrize("name", ["fast", "state", "out"])
@@ -260,14 +267,73 @@ def test_smaller_inputs_have_a_smaller_box(circle):
     assert check(replace(circle, push=0.5 * circle.push))[0] < 0.9 * check(circle)[0]
 
 
-def test_a_robot_that_stops_is_said_to_be_unchecked():
-    told = """reference.kind = stop-and-go; reference.radius = 2.0; reference.period = 4.0;
-              changes = []; reference.speed = 0.2; clock.control = 0.02; clock.duration = 2.2;
-              robot.mu = 0.02; disturbance.std = 0.1"""
-    tube = whole.certified_run(settle(safe(told), "prox"))
+STOPS = changes("""
+    reference.kind = stop-and-go
+    reference.radius = 2.0
+    reference.period = 4.0
+    reference.speed = 0.2
+    changes = []
+    clock.control = 0.02
+    clock.duration = 2.2
+    robot.mu = 0.02
+    disturbance.std = 0.25
+""")
 
-    assert not tube.checked
-    assert "computed, but not checked apart" in tube.sentence
+
+@pytest.mark.parametrize("law", ["prox", "mb"])
+def test_a_robot_that_stops_is_checked(law):
+    passing, bounds = passed(STOPS, law)
+    written = stated.of_run(passing, bounds)
+    position, _ = check(written)
+
+    assert (position < 1.004 * bounds.position).all()
+    assert position.max() > 0.93 * bounds.position.max() > 1.2e-3
+    for name, i in (("fast", 3), ("state", 1), ("out", 0)):
+        less = getattr(written, name).copy()
+        less[40:, i] *= 0.95
+        with pytest.raises(RefusedError, match="reaches"):
+            check(replace(written, **{name: less}))
+
+
+def test_a_dead_band_counts_in_samples_whose_commands_may_be_in_it():
+    """Some commands of 0.2 rad/s may be within 0.18 rad/s of 0, others are not."""
+    told = {"base.deadband": [0.0, 0.18], "filter.kind": "clip", "disturbance.std": 1e-4,
+            "base.delay": 0.03, "base.quantum": [2e-3, 1e-2], "sensor.pose_noise": 1e-4,
+            "disturbance.truncate": 3.0, "clock.control": 0.06, "clock.plant": 0.03,
+            "clock.duration": 1.2}  # fmt: skip
+    setup = settle(burger(told), "kanayama")
+    passing = Passing(Along(setup), bounded_inputs(setup), np.zeros(3))
+    bounds = passing.run()
+    written = stated.of_run(passing, bounds)
+    free = np.abs(written.outs[:, 1]) - written.out[:, 1] > written.dead[1]
+
+    assert 0 < free.sum() < len(free)
+    assert (check(written)[0] < 1.004 * bounds.position).all()
+    with pytest.raises(RefusedError, match="reaches"):
+        check(replace(written, dead=1.05 * written.dead))
+
+
+@pytest.mark.parametrize("wide", [1e-6, 0.1, 3.0])
+@pytest.mark.parametrize("apart", [0.0, 0.02])
+def test_slopes_and_what_they_leave_hold_at_every_point(wide, apart):
+    """For points up to ``apart`` from each other."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    inner = ca.tanh(2 * x[0] - x[1] + p)
+    f = ca.vertcat(x[0] * x[1] - 3 * inner, ca.sin(x[1]) + ca.tanh(x[2] + 0.5 * inner) * x[0])
+    function, rng = ca.Function("f", [x, p], [f]), np.random.default_rng(5)
+    low = rng.uniform(-1.0, 1.0, (40, 1, 4))
+    sizes = wide * rng.uniform(0.0, 1.0, (40, 3))
+    products = sizes[:, :, None] * sizes[:, None]
+    slopes, left = Graph(function).linear(np.array([low, low + apart]), sizes, products)
+    at = low + apart * rng.random((40, 200, 4))
+    d = sizes[:, None] * rng.choice([-1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0], (40, 200, 3))
+    every = np.concatenate([at, at + np.pad(d, [(0, 0), (0, 0), (0, 1)])]).reshape(-1, 4).T
+    values = np.array(function.map(every.shape[1])(every[:3], every[3:]))
+    before, after = np.split(values.T.reshape(80, 200, 2), 2)
+    off = np.abs(after - before - np.einsum("kij,kpj->kpi", slopes[:, 0], d))
+
+    assert (off <= left + 1e-15).all()
+    assert np.median(off.max(axis=1) / (left[:, 0] + 1e-15)) > (0.3 if apart == 0 else 0.0)
 
 
 @pytest.mark.parametrize(

@@ -156,17 +156,29 @@ LOUD = changes("""
     sensor.pose_noise = 1e-3
     sensor.velocity_noise = [2e-3, 2e-2]
 """)
-LONG = simulated(timed(PERIOD, 160), LOUD)
+LONG = simulated(timed(PERIOD, 159), LOUD)
 
 
 def test_a_set_that_does_not_stand_is_not_taken_for_one(monkeypatch):
     """The contribution of its samples is guessed to be half of the true one."""
-    monkeypatch.setattr(passage, "HELD", 0.5)
-    setup = settle(LONG, "prox")
-    course = Passing(Along(setup), bounded_inputs(setup), np.zeros(3)).run().position
+    setup, followed, exact = settle(LONG, "prox"), [], Passing._follow
 
-    assert course == pytest.approx(run_corridor(LONG, "prox").course[0], rel=1e-3)
-    assert course[-1] == pytest.approx(course.max(), rel=1e-3)
+    def counted(passing, now, *given, **more):
+        followed[-1] += now.count
+        return exact(passing, now, *given, **more)
+
+    def course():
+        followed.append(0)
+        return Passing(Along(setup), bounded_inputs(setup), np.zeros(3)).run().position
+
+    monkeypatch.setattr(Passing, "_follow", counted)
+    held = course()
+    monkeypatch.setattr(passage, "HELD", 0.5)
+    every = course()
+
+    assert held == pytest.approx(every, rel=1e-3)
+    assert every[-1] == pytest.approx(every.max(), rel=1e-3)
+    assert followed[0] < 0.9 * 159 <= followed[1]
 
 
 def test_boxes_of_secants_that_are_left_certify_nothing(monkeypatch):

@@ -4,12 +4,11 @@
 
 They are expressions of the box's middle and half-widths, composed once for a graph, and CasADi
 evaluates them for each box.  ``size`` is at least the sum of all absolute values added.  An
-operation's rounding error is at most ROUNDING times it, and is added to r.  An undecided choice is
-enclosed by the hull of both sides; |x|, min and max are enclosed by a secant.
+operation's rounding error is at most ROUNDING times it, and is added to r.  An undecided choice
+gives NaN, since the checker refuses it anyway.
 
 CasADi simplifies these expressions by identities of real numbers.  No bound depends on how a number
-was rounded, so simplified expressions have no larger error. fmin, fmax and conditions ignore NaN;
-where they are used, the operands' sums preserve it.
+was rounded, so simplified expressions have no larger error.
 """
 
 from __future__ import annotations
@@ -85,7 +84,8 @@ class AffineGraph:
         function = ca.Function("spanned", [by], [ca.densify(output)])
         graph = read(function, ["i"], ("y",))
         for node in graph.nodes:
-            if node.place is None and node.op != ca.OP_CONST and node.op not in _RULES:
+            chosen = node.op == SELECT and graph.nodes[node.operands[0]].op != ca.OP_LT
+            if chosen or not (node.leaf or node.op in _RULES):
                 raise OpenBoxError(f"operation {node.op} of CasADi is not covered there")
         self._key = function.serialize()
 
@@ -181,58 +181,23 @@ def _mul(a: Form, b: Form) -> Form:
     return _rounded(a.c * b.c, a.L * b.c + b.L * a.c, r, a.size * b.size)
 
 
-def _along(a: Form, slope: ca.SX, least: ca.SX, most: ca.SX) -> Form:
-    """The form slope a, plus an interval from ``least`` to ``most``."""
-    middle, half = (least + most) / 2, (most - least) / 2
-    size = abs(slope) * a.size + abs(least) + abs(most)
-    return _rounded(slope * a.c + middle, a.L * slope, abs(slope) * a.r + half, size)
+def _picked(truth: Truth, a: Form, b: Form) -> Form:
+    """``a`` if the condition is certainly true, ``b`` if certainly false, else no number."""
 
+    def of(one: ca.SX, two: ca.SX) -> ca.SX:
+        return ca.if_else(truth.yes, one, ca.if_else(truth.no, two, np.nan))
 
-def _secant(low: ca.SX, high: ca.SX, at_low: ca.SX, at_high: ca.SX) -> ca.SX:
-    apart = high - low > 1e-12 * (abs(low) + abs(high))
-    return ca.if_else(apart, (at_high - at_low) / (high - low), 0.0)
-
-
-def _abs(a: Form) -> Form:
-    """Enclose |x| by its secant: the largest error above is at an end, below it at 0."""
-    low, high = a.range
-    across = ca.logic_and(low < 0, high > 0)
-    slope = ca.if_else(across, _secant(low, high, -low, high), ca.if_else(low >= 0, 1.0, -1.0))
-    ends = abs(low) - slope * low, abs(high) - slope * high
-    least = ca.if_else(across, ca.fmin(ca.fmin(*ends), 0.0), 0.0)
-    return _along(a, slope, least, ca.if_else(across, ca.fmax(*ends), 0.0))
-
-
-def _max(a: Form, b: Form) -> Form:
-    apart = _add(a, _neg(b))
-    low, high = apart.range
-    both = _mul(_number(0.5, a.L.size2()), _add(_add(a, b), _abs(apart)))
-    return _picked(Truth(low >= 0, high <= 0), a, b, both)
-
-
-def _hull(a: Form, b: Form) -> Form:
-    (al, ah), (bl, bh) = a.range, b.range
-    low, high = ca.fmin(al, bl), ca.fmax(ah, bh)
-    every = abs(a.c) + a.radius + abs(b.c) + b.radius  # no number where one of them is none
-    half = (high - low) / 2 + every * ROUNDING
-    return _rounded((low + high) / 2, ca.SX(*a.L.shape), half, a.size + b.size)
-
-
-def _picked(truth: Truth, a: Form, b: Form, other: Form) -> Form:
-    """``a`` if the condition is certainly true, ``b`` if certainly false, else ``other``."""
-
-    def of(one: ca.SX, two: ca.SX, three: ca.SX) -> ca.SX:
-        return ca.if_else(truth.yes, one, ca.if_else(truth.no, two, three))
-
-    return Form(*(of(*(getattr(item, name) for item in (a, b, other)))
-                  for name in ("c", "L", "r", "size")))  # fmt: skip
+    return Form(
+        *(of(*(getattr(item, name) for item in (a, b))) for name in ("c", "L", "r", "size"))
+    )
 
 
 def _tanh(a: Form) -> Form:
     """Enclose tanh: bound the errors of some slopes at ends and tangent points, keep the best."""
     low, high = a.range
     at_low, at_high = ca.tanh(low), ca.tanh(high)
-    mean = _secant(low, high, at_low, at_high)
+    apart = high - low > 1e-12 * (abs(low) + abs(high))
+    mean = ca.if_else(apart, (at_high - at_low) / (high - low), 0.0)
     best: tuple[ca.SX, ...] = ()
     for share in STEEPER:
         slope = ca.fmin(ca.fmax(share * mean, 0.0), 1.0)
@@ -250,7 +215,9 @@ def _tanh(a: Form) -> Form:
             new = tuple(ca.if_else(less, one, two) for one, two in zip(new, best, strict=True))
         best = new
     slope, least, most = best
-    return _along(a, slope, least - 8 * ROUNDING, most + 8 * ROUNDING)
+    size = abs(slope) * a.size + abs(least) + abs(most)
+    off = (most - least) / 2 + 8 * ROUNDING
+    return _rounded(slope * a.c + (least + most) / 2, a.L * slope, abs(slope) * a.r + off, size)
 
 
 def _curve(
@@ -275,42 +242,16 @@ def _nearest(low: ca.SX, high: ca.SX) -> ca.SX:
     return ca.if_else(holds, 0.0, ca.fmin(abs(low), abs(high)))
 
 
-def _root_bend(low: ca.SX, high: ca.SX) -> ca.SX:
-    least = ca.fmax(low, 0.0)
-    return 0.25 / (least * ca.sqrt(least))
-
-
-def _below(strict: bool) -> Callable[[Form, Form], Truth]:
-    def rule(a: Form, b: Form) -> Truth:
-        low, high = _add(a, _neg(b)).range
-        return Truth(high < 0, low >= 0) if strict else Truth(high <= 0, low > 0)
-
-    return rule
-
-
-def _truth(value: Truth | Form) -> Truth:
-    """Truth value of a number: certainly not 0, certainly 0, or undecided."""
-    if isinstance(value, Truth):
-        return value
-    low, high = value.range
-    return Truth(ca.logic_or(low > 0, high < 0), ca.logic_and(low == 0, high == 0))
-
-
-def _not(value: Truth | Form) -> Truth:
-    a = _truth(value)
-    return Truth(a.no, a.yes)
-
-
-def _and(one: Truth | Form, other: Truth | Form) -> Truth:
-    a, b = _truth(one), _truth(other)
-    return Truth(ca.logic_and(a.yes, b.yes), ca.logic_or(a.no, b.no))
+def _below(a: Form, b: Form) -> Truth:
+    low, high = _add(a, _neg(b)).range
+    return Truth(high < 0, low >= 0)
 
 
 _inverse = _curve(
     lambda x: 1 / x, lambda x: -1 / x**2, lambda low, high: 2 / _nearest(low, high) ** 3
 )
 _RULES: dict[int, Callable[..., Form | Truth]] = {
-    SELECT: lambda truth, a, b: _picked(_truth(truth), a, b, _hull(a, b)),
+    SELECT: _picked,
     ca.OP_ADD: _add,
     ca.OP_SUB: lambda a, b: _add(a, _neg(b)),
     ca.OP_NEG: _neg,
@@ -319,16 +260,8 @@ _RULES: dict[int, Callable[..., Form | Truth]] = {
     ca.OP_SQ: lambda a: _mul(a, a),
     ca.OP_DIV: lambda a, b: _mul(a, _inverse(b)),
     ca.OP_INV: _inverse,
-    ca.OP_FABS: _abs,
-    ca.OP_FMAX: _max,
-    ca.OP_FMIN: lambda a, b: _neg(_max(_neg(a), _neg(b))),
     ca.OP_TANH: _tanh,
     ca.OP_SIN: _curve(ca.sin, ca.cos, lambda low, high: ca.fmin(ca.fmax(abs(low), abs(high)), 1.0)),
     ca.OP_COS: _curve(ca.cos, lambda x: -ca.sin(x), lambda low, high: ca.SX(1)),
-    ca.OP_SQRT: _curve(ca.sqrt, lambda x: 0.5 / ca.sqrt(x), _root_bend),
-    ca.OP_LT: _below(True),
-    ca.OP_LE: _below(False),
-    ca.OP_NOT: _not,
-    ca.OP_AND: _and,
-    ca.OP_OR: lambda a, b: _not(_and(_not(a), _not(b))),
+    ca.OP_LT: _below,
 }

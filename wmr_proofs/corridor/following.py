@@ -39,6 +39,8 @@ GUESSED = 1.003
 """Growth of the first guess."""
 GROWN = 1.02
 """Growth of a guess from try to try."""
+SURE = 1.01
+"""Growth of a command's deviation with which it still has to exceed the dead band."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +206,7 @@ class Following(Remainders):
         beside = each(block.wide, state) + (direct + added)[:, self.read]
         law = (inner[:, :outs] + beside) * UP
         sizes = np.abs(self.along.outs[:, :COMMAND]) * (1 - 2**-50)
-        least = now.least(sizes) - law[:, :COMMAND] * UP
+        least = now.least(sizes) - law[:, :COMMAND] * SURE
         misheard = self.inputs.misheard(least)
         added[:, :COMMAND] += misheard
         law[:, :COMMAND] += misheard

@@ -25,7 +25,7 @@ class RunBounds:
     ``position``, ``linear`` [m] and ``heading`` [rad] (n): largest deviations in each sample,
     ``linear`` without remainders.  ``share`` (n): use of the most used condition; ``binding`` (n):
     its index.  ``box``: the fast state's rows (n, rows), the state at samples (n + 1, any), command
-    and conditions (n, any).  ``checked``: the independent checker accepted them.
+    and conditions (n, any).
     """
 
     position: Floats
@@ -34,7 +34,6 @@ class RunBounds:
     share: Floats
     binding: Floats
     box: tuple[Floats, Floats, Floats]
-    checked: bool = False
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,6 @@ def certified(setup: Setup, *, closing: bool = True) -> Corridor:
         heading=max(tube.heading for tube in tubes),
         binding=worst.binding,
         share=worst.share,
-        checked=inputs.any,
         masses=mass_ranges(setup) if cells[0][1].any() else None,
     )
 

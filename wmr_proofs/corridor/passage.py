@@ -41,7 +41,7 @@ class Passing(Following):
         """Begin with deviations |e| <= ``start`` (3), or at a later sample ``first`` with none."""
         super().__init__(along, inputs, start if first == 0 else np.zeros(3))
         self._result, self._first, self._done = list[Floats](), first, first
-        self._again, self.secants = 0, False
+        self._again = 0
         self._sizes = [np.full((len(along.states), x.shape[1]), np.nan) for x in self.latest]
         self._reach = np.zeros(len(self.rows)), self.row_sizes @ self.pending
 
@@ -125,7 +125,6 @@ class Passing(Following):
             else:
                 for seen, sizes in zip(self._sizes, self.latest, strict=True):
                     seen[k : k + now.count] = sizes
-                self.secants = True
                 k, tries, guess = k + now.count, 0, None
                 most = min(2 * most, self.along.brief)
                 result.append(items)

@@ -15,7 +15,7 @@ from wmr_ctrl.theory.checks.error_coordinates import Floats
 
 from .affine import AffineGraph
 from .loop import UP
-from .midradius import MidRadius
+from .midradius import SMALLEST, MidRadius
 from .motion import MovingCurve
 
 LEAST = 1e-9
@@ -51,13 +51,13 @@ class SecantCurve:
         ``points`` (C, P, n): the nominal trajectory; ``values`` (C, P, outputs): the graph there.
         """
         n = self.count
-        wide = wide + LEAST
+        wide = wide + LEAST * (wide > 0)
         center = np.hstack([by.middle, numbers.middle])
         parts = (by.radius + wide, by.middle), (numbers.radius, numbers.middle)
         radius = np.hstack([np.broadcast_to(one, like.shape) for one, like in parts])
         forms = self._graph(center, radius)
         L = np.abs(forms.L)
-        slopes = forms.L[:, :, :n] / radius[:, None, :n]
+        slopes = forms.L[:, :, :n] / (radius + (radius == 0))[:, None, :n]
         left = forms.r + 1e-15 * (forms.size + L[:, :, :n].sum(axis=2)) + L[:, :, n:].sum(axis=2)
         middle = forms.c
         away = points - by.middle[:, None]
@@ -65,5 +65,5 @@ class SecantCurve:
         size = np.einsum("cij,cpj->cpi", np.abs(slopes), np.abs(away)) + np.abs(middle)[:, None]
         off = np.abs(values - middle[:, None] - linear) + 1e-13 * (size + np.abs(values))
         return Secants(
-            MidRadius(slopes, np.zeros_like(slopes)), (left + off.max(axis=1)) * UP, wide
+            MidRadius(slopes, np.zeros_like(slopes)), (left + off.max(axis=1)) * UP + SMALLEST, wide
         )

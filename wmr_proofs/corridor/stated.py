@@ -23,12 +23,14 @@ from .peaks import Peaks, Tube, reference_gap
 
 ROOM = 1 + 3e-3
 """Growth of the stated box over the computed one."""
+ROOMS = (1.001, 1.02, 1.06)
+"""Such growths that are tried for a whole run."""
 LEAST = 1e-3
 """Share of the largest size in a run that is added."""
-DUST = 1e-11
+DUST = 1e-9
 """Size that is added to every component."""
 LAGS = 1.75
-"""Samples that are distinguished by their age, over the run's memory."""
+"""Samples that are distinguished by their age, over the run's memory; 1 more after a start."""
 
 
 @contextmanager
@@ -39,17 +41,12 @@ def refused_unchecked() -> Iterator[None]:
     except RefusedError as error:
         raise NoCorridorError(
             f"the bounds that were computed do not pass their check ({error}), so no width is "
-            "stated; this is a fault of the computation, please report it with the scenario"
+            "stated; please report it with the scenario"
         ) from error
 
 
 def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
-    """The tube, with the width that the checker shows; NoCorridorError if the checker refuses it.
-
-    Without pushes and errors the computed tube is returned, since only rounding is left of it.
-    """
-    if not inputs.any:
-        return tube
+    """The tube, with the width that the checker shows; NoCorridorError if it refuses."""
     stated = of_loop(certifier, inputs, tube.peaks)
     with refused_unchecked():
         distance, turn = (float(course[0]) for course in check(stated))
@@ -61,18 +58,17 @@ def checked(certifier: Certifier, inputs: Inputs, tube: Tube) -> Tube:
 
 
 def checked_run(passing: Passing, bounds: RunBounds) -> RunBounds:
-    """Bounds of a whole run, with the width that the checker shows; NoCorridorError if it refuses.
-
-    A run that stops or turns round, has a dead band, or no pushes and errors, is returned as
-    computed.
-    """
-    inputs = passing.inputs
-    if passing.secants or inputs.dead.any() or not inputs.any:
-        return bounds
+    """Bounds of a run, with the widths that the checker shows; NoCorridorError if it refuses."""
     with refused_unchecked():
-        position, heading = check(of_run(passing, bounds))
+        for room in ROOMS:
+            try:
+                position, heading = check(of_run(passing, bounds, room))
+                break
+            except RefusedError:
+                if room == ROOMS[-1]:
+                    raise
     position, heading = np.maximum(bounds.position, position), np.maximum(bounds.heading, heading)
-    return replace(bounds, position=position, heading=heading, checked=True)
+    return replace(bounds, position=position, heading=heading)
 
 
 def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
@@ -113,14 +109,17 @@ def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
     )  # fmt: skip
 
 
-def of_run(passing: Passing, bounds: RunBounds) -> Certificate:
+def of_run(passing: Passing, bounds: RunBounds, room: float = ROOMS[0]) -> Certificate:
     """The Certificate of a whole run with a flowpipe."""
     along, loop, motion = passing.along, passing.loop, passing.along.motion
     n, nz, outs = len(passing.pending), passing.nz, COMMAND + loop.memory + loop.acting
     fast, state, out = (
-        part * ROOM + (LEAST * part.max(axis=0) + DUST) * (part > 0) for part in bounds.box
+        part * room + (LEAST * part.max(axis=0) + DUST) * (part > 0) for part in bounds.box
     )
     free = (along.most - along.levels) * (1 - 1e-9)
+    sent, heard, dead = out[:, :COMMAND], bounds.box[2][:, :COMMAND], passing.inputs.dead
+    edge = np.abs(along.outs[:, :COMMAND]) - dead * (1 + 1e-9)
+    np.minimum(sent, edge, out=sent, where=(edge > heard) & (dead > 0))
     out[:, COMMAND:] = np.minimum(out[:, COMMAND:], free)
     gap = np.zeros((len(fast), n))
     gap[:, :2] = motion.gap[:, None]
@@ -135,7 +134,7 @@ def of_run(passing: Passing, bounds: RunBounds) -> Certificate:
         step_gap=np.zeros(nz), gap=gap, aside=np.stack([motion.aside, motion.turned], axis=1),
         start=np.diag(passing.begun), disc=(0.0, 0), lower=np.zeros(loop.count),
         pairs=along.pairs, ratios=along.ratios, fast=fast, state=state, out=out,
-        knots=along.knots, lags=int(LAGS * along.memory),
+        knots=along.knots, lags=int((LAGS + passing.begun.any()) * along.memory),
         **_known(loop, passing.inputs),
     )  # fmt: skip
 

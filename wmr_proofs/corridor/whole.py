@@ -101,7 +101,6 @@ def certified_run(setup: Setup, *, closing: bool = True) -> Corridor:
         share=float(passage.share[worst]),
         masses=mass_ranges(setup) if cells[0][1].any() else None,
         anew=any(map(changes_body, scenario.changes)),
-        checked=all(item.checked for item in every),
     )
 
 

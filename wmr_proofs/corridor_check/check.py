@@ -152,16 +152,19 @@ def _boxes(c: Certificate, course: _Course, error: Floats) -> tuple[Floats, Floa
     plant steps.
     """
     fast, state, out = (part[course.first] for part in (c.fast, c.state, c.out))
-    K, robot = len(fast), fast[:, :ROBOT]
-    products = robot[:, :, None] * robot[:, None]
-    sums = fast[:, len(course.rows) - 2 * len(c.pairs) :].reshape(K, -1, 2).max(axis=2) ** 2
-    a, b = np.array(c.pairs).T
-    least = np.minimum(products[:, a, b], sums / (4 * c.ratios))
-    products[:, a, b] = products[:, b, a] = least
+    early = np.minimum(c.fast, np.vstack([c.fast[:1], c.fast[:-1]]))
+    K, (a, b), both = len(fast), np.array(c.pairs).T, list[Floats]()
+    for rows in (course.ends(early)[1], fast):
+        robot = rows[:, :ROBOT]
+        products = robot[:, :, None] * robot[:, None]
+        sums = rows[:, len(course.rows) - 2 * len(c.pairs) :].reshape(K, -1, 2).max(axis=2) ** 2
+        least = np.minimum(products[:, a, b], sums / (4 * c.ratios))
+        products[:, a, b] = products[:, b, a] = least
+        both.append(products)
     seen, begun = state[:, course.order], state[:, :ROBOT]
     seen[:, :ROBOT] += error
     by_seen, mixed = seen[:, :, None] * seen[:, None], begun[:, :, None] * error
-    least = np.minimum(products, begun[:, :, None] * begun[:, None])
+    least = np.minimum(both[0], begun[:, :, None] * begun[:, None])
     by_seen[:, :ROBOT, :ROBOT] = least + mixed + mixed.swapaxes(1, 2) + np.outer(error, error)
     queue = state[:, course.nz : course.nz + COMMAND * c.queue].reshape(K, -1, COMMAND)
     sent = np.concatenate([out[:, None, :COMMAND], queue], axis=1)
@@ -196,15 +199,12 @@ class _Linear:
         error = np.array([*place, c.reckoned[2], *c.velocity])
         size, products, wide, by_wide = _boxes(c, course, error)
         at, passed = course.ends(seen), course.ends(moved)
-        self.by_law, law_off = _middle(law.slopes(at))
-        self.by_step, step_off = _middle(step.slopes(passed))
-        off = each(law_off, size) + law.second_order(at, size, products)
-        passed = np.array([passed[0].min(axis=1), passed[1].max(axis=1)])
-        more = each(step_off, wide[:, None])
-        more += step.second_order(passed, wide, by_wide)[:, None]
+        by_law, off = (part[:, 0] for part in law.linear(at[:, :, None], size, products))
+        self.by_step, more = step.linear(passed, wide, by_wide)
+        self.by_law = by_law
 
         off[:, :outs] += course.ends(most(shown[..., :outs] - c.outs))[1] + c.law_gap
-        acts = np.abs(c.outs[:, :COMMAND]) - c.out[:, :COMMAND] - c.command > c.dead
+        acts = np.abs(c.outs[:, :COMMAND]) - c.out[:, :COMMAND] > c.dead * OUT
         off[:, :COMMAND] += c.command + course.ends(np.where(acts, 0.0, c.dead))[1]
         after = step.values(np.array([moved, moved]))
         still = 0.0 if c.lags else after[:, 0, 0].mean(axis=0) - c.fine[0, 1]
@@ -217,11 +217,6 @@ class _Linear:
         known = np.tile(np.concatenate([c.push, error, [1.0]]), (K, 1))
         late = (changes[:, None] * c.off).reshape(K, -1)
         self.given = np.hstack([off[:, :COMMAND], late, known]) * OUT
-
-
-def _middle(ends: Floats) -> tuple[Floats, Floats]:
-    middle = ends.mean(axis=0)
-    return middle, most(ends - middle) * OUT
 
 
 class _Sample:

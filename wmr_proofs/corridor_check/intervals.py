@@ -72,6 +72,9 @@ def _by_flint(operation: Callable[[arb], arb]) -> Callable[[Floats], Floats]:
     return lambda a: outwards(np.array(every(*a), dtype=float))
 
 
+TANH = _by_flint(arb.tanh)
+
+
 def _rising(operation: Callable[[arb], arb]) -> Callable[[Floats], Floats]:
     rule = _by_flint(operation)
     return lambda a: rule(np.array([a, a]))[[0, 1], [0, 1]]

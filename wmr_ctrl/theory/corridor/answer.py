@@ -41,9 +41,8 @@ class Corridor:
     ``run`` [s]: duration of the run that the corridor is valid for, with all changes in it;
     otherwise it is valid for ever.  ``whole``: the corridor of the whole run, if it was requested
     and this one ends at a change of the robot or excludes initial contents of drives.
-    ``clearance``: distance left to the scenario's obstacles, None without any.  ``checked``: the
-    independent checker accepted it.  ``course`` (2, n): position and heading in each sample of a
-    run.
+    ``clearance``: distance left to the scenario's obstacles, None without any.  ``course`` (2, n):
+    position and heading in each sample of a run.
     """
 
     law: str
@@ -70,7 +69,6 @@ class Corridor:
     anew: bool = False
     missing: int = 0
     whole: Corridor | None = None
-    checked: bool = True
     course: Floats | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -104,8 +102,7 @@ class Corridor:
         return (
             f"corridor: within {self._off} and {self._turned} rad of its place "
             f"on the path, from a start {self._from} at its speed{loaded}, {self._while(1.0)} and "
-            f"{self._mass}{lasts}; no limit and no guard acts there (most used: {self._used}"
-            f"{self._unchecked})"
+            f"{self._mass}{lasts}; no limit and no guard acts there (most used: {self._used})"
         )
 
     @property
@@ -117,16 +114,12 @@ class Corridor:
         return (
             f"; {idle}within {self._off} and {self._turned} rad over the whole "
             f"run of {self.run:g} s, where no limit and no guard acts either (most used: "
-            f"{self._used}{self._unchecked})"
+            f"{self._used})"
         )
 
     @property
     def _used(self) -> str:
         return f"{self.binding}, {100 * (self.share or 0.0):.0f} %"
-
-    @property
-    def _unchecked(self) -> str:
-        return "" if self.checked else "; computed, but not checked apart"
 
     @property
     def _off(self) -> str:
@@ -193,7 +186,7 @@ class Corridor:
             "push": self.push, "pose": self.pose, "velocity": list(self.velocity),
             "missing": self.missing, "mass": self.mass, "masses": self.masses,
             "until": self.until, "clearance": clearance,
-            "run": self.run, "checked": self.checked,
+            "run": self.run,
             "whole": None if self.whole is None else self.whole.figures,
         }  # fmt: skip
 
