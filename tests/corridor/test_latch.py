@@ -1,5 +1,8 @@
 """When the corridor starts to hold a run, and what leaving it proves."""
 
+from copy import copy
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -20,6 +23,20 @@ SHORT = changes("changes = []; clock.duration = 32.0")
 @pytest.fixture(scope="module")
 def certifier():
     return Certifier(settle(safe(), "prox"))
+
+
+def test_what_is_left_of_a_start_is_that_of_its_largest_deviation(certifier):
+    held = certifier.tube(certifier.inputs).peaks
+    most = (held.state / certifier.gains.scale).max()
+
+    def settled(left):
+        parts = ("fast", "state", "law")
+        given = [replace(getattr(certifier.gains, name), left=left) for name in parts]
+        other = copy(certifier)
+        other.gains = replace(certifier.gains, **dict(zip(parts, given, strict=True)))
+        return other.settled(certifier.inputs, held).every
+
+    assert settled(1.0) - settled(0.0) == pytest.approx(most)
 
 
 @pytest.mark.slow

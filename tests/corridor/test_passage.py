@@ -1,6 +1,7 @@
 """Foundations of a flowpipe: spans, the undisturbed run, sample matrices, generator sums."""
 
 from copy import copy
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -51,6 +52,27 @@ def eight():
     changes = [{"t": 0.505, "m": 60.0}]
     told = {"reference.kind": "lemniscate", "clock.duration": 1.0, "changes": changes}
     return Along(settle(safe(told), "prox"))
+
+
+def test_linear_bound_is_that_of_both_ends_of_a_sample(eight):
+    """It is nearly the whole bound where pushes are little."""
+    little = bounded_inputs(settle(safe("disturbance.std = 1e-3"), "prox"))
+    bounds = Passing(eight, little, np.zeros(3)).run(2)
+
+    assert (bounds.linear > 0.75 * bounds.position).all()
+
+
+def test_each_command_that_may_act_counts_in_a_sample(monkeypatch):
+    told = {"reference.kind": "lemniscate", "clock.duration": 0.1, "actuator.delay": 0.02,
+            "guard.enabled": False, "changes": []}  # fmt: skip
+    setup = settle(safe(told), "mb")
+    passing = Passing(Along(setup), bounded_inputs(setup), np.zeros(3))
+    place = slice(passing.nz, passing.nz + 2)
+    monkeypatch.setattr(passing, "_left", lambda _, sizes, *given: sizes[:, place])
+    passing.commands, now = np.array([[5.0, 1.0], [2.0, 3.0]]), SimpleNamespace(count=2)
+    acts = passing._step(np.zeros((2, len(passing.along.rows))), np.array([[4.0, 0], [0, 9]]), now)
+
+    assert acts.tolist() == [[5.0, 3.0], [4.0, 9.0]]
 
 
 def test_what_a_run_is_off_the_graphs_is_found_wherever_it_is(eight):
