@@ -103,9 +103,11 @@ def within(value: SX, bound: Number) -> tuple[Relation, ...]:
 
 
 def when(condition: SX, relations: Relations) -> tuple[Relation, ...]:
-    """``condition`` implies the relations, which must be true for the expression 0."""
-    found = listed(relations)
-    return tuple(Relation(ca.if_else(condition, item.expr, 0), item.kind) for item in found)
+    """``condition`` implies the relations."""
+    return tuple(
+        Relation(ca.if_else(condition, item.expr, item.kind == ABOVE), item.kind)
+        for item in listed(relations)
+    )
 
 
 def every(left: SX, right: SX) -> tuple[Relation, ...]:

@@ -32,6 +32,7 @@ from wmr_proofs.statement import (
     nonnegative,
     positive,
     symbols,
+    valued,
     when,
 )
 
@@ -81,7 +82,8 @@ class FilterAxis(Named):
 
 @claim("filter.drive")
 def driven(mutation: Mutation) -> Statement:
-    """K u + d <= drive(u) <= max(K_max u, 0) + dbar for every u; likewise for -u and drive_back(u).
+    """K u + d <= drive(u) = max(K_min u, K_max u) + dbar <= max(K_max u, 0) + dbar for every u;
+    likewise for -u and drive_back(u) = drive(-u).
 
     The steady speed of a command for the worst gain and push.
 
@@ -107,8 +109,8 @@ def inside(mutation: Mutation) -> Statement:
     A command that takes over at a speed of at most v_bar keeps the base within its limit for as
     long as it may act.
 
-    Given: {ANY_SIDE}; v <= v_bar <= V; mean <= drive(u), u <= hi(v_bar); e <= E <= 1 with e =
-    exp(-H/tau_min), kappa = e/(1 - e).
+    Given: {ANY_SIDE}; v <= v_bar <= V; mean <= drive(u) (filter.drive), u <= hi(v_bar) = (V - dbar
+    + kappa (V - v_bar))/K_max; e <= E <= 1 with e = exp(-H/tau_min) < 1, kappa = e/(1 - e).
     """
     a = FilterAxis()
     b, E = a.bounds, a.E
@@ -124,7 +126,7 @@ def contains_clip(mutation: Mutation) -> Statement:
 
     The governor is never stricter than the clip, and never refuses to stop: 0 is always safe.
 
-    Given: {ANY_SIDE}; v_bar <= V, kappa >= 0.
+    Given: {ANY_SIDE}; v_bar <= V, kappa >= 0; hi as in filter.inside.
     """
     a = FilterAxis()
     b = a.bounds
@@ -141,7 +143,8 @@ def necessary(mutation: Mutation) -> Statement:
     No larger command is safe for the base with the largest gain, the smallest time constant and the
     largest push.
 
-    Given: {ANY_SIDE}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min), kappa = e/(1 - e).
+    Given: {ANY_SIDE}; 0 <= u, hi(v_bar) < u; e = exp(-H/tau_min) < 1, kappa = e/(1 - e); hi as in
+    filter.inside.
     """
     a = FilterAxis()
     b, e = a.bounds, a.e
@@ -157,7 +160,8 @@ def estimate(mutation: Mutation) -> Statement:
     The speed bound that is propagated from sample to sample remains a bound.
 
     Given: v <= w, mean <= target, 0 <= least <= share <= most <= 1 (least = 1 - exp(-t/tau_max),
-    most = 1 - exp(-t/tau_min)).
+    most = 1 - exp(-t/tau_min)); relaxed(w, target) = w + max(most (target - w), least (target -
+    w)).
     """
     t = symbols("v w mean target least share most")
     v, w, mean, target, least, share, most = t.values()
@@ -172,7 +176,8 @@ def curvature(mutation: Mutation) -> Statement:
 
     One factor scales both axes, so omega/v stays as requested.
 
-    Given: lo_i < 0 < hi_i; both axes' commands r_i of any size.
+    Given: lo_i < 0 < hi_i; both axes' commands r_i of any size; an axis' share is a/max(|r_i|, a)
+    with a = hi_i for r_i >= 0 and -lo_i else.
     """
     t = symbols("r1 lo1 hi1 r2 lo2 hi2")
     r, lo, hi = ([t[f"{name}{i}"] for i in (1, 2)] for name in ("r", "lo", "hi"))
@@ -274,8 +279,8 @@ def limits(mutation: Mutation) -> Statement:
     Stopping is always allowed, and so is driving if a push leaves room for it.
 
     Given: 0 < K_min <= K_max, 0 <= dbar <= V each way, 0 < tau_min <= tau_max of each axis, T > 0;
-    any odometry of the sample, any time since the last one; v and omega limited; no delay, jitter
-    or losses, H = T.
+    V {LESS}; any odometry of the sample, any time since the last one; v and omega limited, either
+    way apart; no delay, jitter or losses, H = T.
     """
     cuts = Cuts()
     graph = Governor(load_scenario("paper-simulation", STATED | BY_SIDE))
@@ -339,7 +344,8 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
 
     The exported filter, from odometry to command, keeps the base within V.
 
-    Given: {ASSEMBLED}; u at most the step's limit (filter.sent).
+    Given: {ASSEMBLED}; u at most the step's limit (filter.sent), mean <= drive(u); exp(-T/tau_min)
+    <= E <= 1.
     """
     step = AssembledStep(side, axis)
     u, E = step.free.u, step.free.E
@@ -394,11 +400,11 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
 )
 def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     """on each axis, forwards and backwards: v + share (mean - v) <= the whole filter's next stored
-    bound, for least <= share <= most.
+    bound, for 1 - exp(-T/tau_max) <= share <= 1 - exp(-T/tau_min).
 
     The memory of the exported filter bounds the speed at the next sample.
 
-    Given: {ASSEMBLED}; sent at most the step's limit (filter.sent).
+    Given: {ASSEMBLED}; u, what is sent, at most the step's limit (filter.sent), mean <= drive(u).
     """
     step = AssembledStep(side, axis)
     v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
@@ -432,17 +438,20 @@ def induced(mutation: Mutation, side: int, axis: int) -> Statement:
     free, graph, share, least = step.free, step.graph, 1 - step.free.E, step.cuts["-least"]
     safe, kept = graph.safe[axis], graph.following[side][axis]
     values = {"u": step.way * safe, "share": share}
-    taken, told, k = [], sent(CLAIMED, {}, BY_SIDE), 4 * side + 2 * axis
+    taken, known = [], limits(CLAIMED)
+    told, k = sent(CLAIMED, {}, BY_SIDE), 4 * side + 2 * axis
     for part in (
-        limits(CLAIMED),
         replace(told, goals=listed(told.goals)[k : k + 2]),
         *(item(CLAIMED, side, axis) for item in (assembled, carried)),
+        known,
     ):
         own = {name: step.symbols[name] for name in part.symbols if name in step.symbols}
         taken.append(instance(part, own | values if "u" in own else own))
     cuts = step.cuts | {"sent command": safe, "other command": graph.safe[1 - axis], "kept": kept}
     cuts |= {f"limit {s} {i}": graph.limits[s][i] for s, i in product(range(2), repeat=2)}
     end = free.E * step.way * free.v + share * free.mean
-    given = step.given(CLAIMED, (drive, drive_back)[side](safe, step.bounds)), step.slow, taken
+    sound_numbers = valued(known.given, known.symbols, own)  # the last part's
+    target = (drive, drive_back)[side](safe, step.bounds)
+    given = step.given(CLAIMED, target), step.slow, taken, sound_numbers
     goals = (mutation(1, 0.99) * step.bounds.V >= end, when(share >= -least, kept >= end))
     return Statement(step, goals, given, cuts)

@@ -10,8 +10,7 @@ from dataclasses import replace
 from casadi import SX, cos, fmax, horzcat, if_else, logic_and, sin, vertcat, vertsplit
 
 from wmr_ctrl.control.barrier.stable import smooth_barrier, stable_barrier
-from wmr_ctrl.control.filter.channels import WAYS, Channel, scaled
-from wmr_ctrl.control.filter.governor import FirstOrder
+from wmr_ctrl.control.filter.channels import WAYS, scaled
 from wmr_ctrl.control.guard.delay import InFlight, in_flight, largest_force
 from wmr_ctrl.control.guard.guard import MAPS, Bounds, clipped, guarded
 from wmr_ctrl.control.laws.prox import carried_plainly, mixture
@@ -33,6 +32,7 @@ from wmr_proofs.statement import (
 
 from .common import EITHER_BARRIER
 from .effect_bounds import EffectGraph, Jittering
+from .filter_rounding import Limited
 from .guard_axis import NUMBERS
 from .prox import Step
 
@@ -143,43 +143,39 @@ def product(mutation: Mutation) -> Statement:
     return Statement(t, fmax(P * P, Q * Q) >= size, given)
 
 
-NOTHING = FirstOrder(*(SX(0) for _ in range(6)))
-NO_SIZE = (0.0, 0.0)
 SCALES = {
-    f"{key}-{scale}": {"scale": scale, "kinds": kinds}
-    for key, kinds in (("both", "axes wheels"), ("wheels", "wheels"))
+    f"{on}-{scale}": {"on": on, "scale": scale}
+    for on in ("both", "wheels", "body")
     for scale in ("curvature", "turn", "drive")
-} | {"axes": {"scale": "axes", "kinds": "axes"}}
+} | {"axes": {"on": "body", "scale": "axes"}}
 """How a filter brings a command within its limits, and the speeds that it limits."""
 
 
 @claim("corridor.filter", each=SCALES)
-def passes(mutation: Mutation, scale: str, kinds: str) -> Statement:
-    """A command whose limited speeds are all within their limits is sent unchanged.  This holds if
-    the filter limits axes and wheels, wheels alone, or axes alone with a factor for each; and for
-    one factor, turning first or driving first.
+def passes(mutation: Mutation, on: str, scale: str) -> Statement:
+    """A command whose limited speeds are all within their limits, also those of its first axis
+    alone if one axis goes first, is sent unchanged.  This holds if the filter limits v and omega,
+    the wheels, or all of these; for one factor, turning first or driving first; and for a factor of
+    each axis if it limits v and omega alone.
 
-    Under this condition the base receives the law's command.
+    Under this condition the base receives the law's command. The first axis alone matters only if
+    wheels have other limits backwards than forwards.
 
-    Given: limits and l > 1e-29.
+    Given: l > 0; limits lo < 0 < hi of each speed.
     """
-    t = symbols("v omega l A B C", "l A B C")
-    v, omega, l, A, B, C = t.values()
-    axes = [Channel((1 - i, i), SX(1), (NOTHING,), NO_SIZE) for i in (0, 1)] * ("axes" in kinds)
-    wheels = [Channel((1, way), l, (NOTHING,), NO_SIZE) for way in WAYS] * ("wheels" in kinds)
-    most = [A, B] * ("axes" in kinds) + [C, C] * ("wheels" in kinds)
-    channels, asked = [*axes, *wheels], (v, omega)
-    sent = scaled(asked, channels, [-item for item in most], most, scale)
-    given = [item > 1e-29 for item in (l, A, B, C)]
-    for channel, size in zip(channels, most, strict=True):
-        given.append(mutation(1, 2) * size >= abs(channel.of(asked)))
-    return Statement(t, every(sent, vertcat(*asked)), given)
+    a = Limited(on)
+    asked, *_ = a.asked
+    first = {"turn": [SX(0), asked[1]], "drive": [asked[0], SX(0)]}.get(scale, asked)
+    inside = [a.kept(command, mutation(0, 1), axes) for command in (asked, first)
+              for axes in (True, False)]  # fmt: skip
+    goals = every(scaled(*a.asked, scale), vertcat(*asked))
+    return Statement(a, goals, (a.stated, inside))
 
 
 @claim("corridor.dead-band")
 def dead_band(mutation: Mutation) -> Statement:
-    """a command behind the dead band has an error of at most the band's size, and none if the
-    command is larger.
+    """each axis' command behind its dead band has an error of at most the band's size, and none if
+    the command is larger.
 
     The effect of a dead band is treated as an error of the command.
 
@@ -326,8 +322,8 @@ def overtaken(mutation: Mutation) -> Statement:
 
 @claim("corridor.ramp")
 def ramped(mutation: Mutation) -> Statement:
-    """a ramp moves towards its goal and not past it: in a plant step by a h, or by the rest of the
-    way, or to 0 if the sign must change.
+    """a ramp of each axis moves towards its goal and not past it: in a plant step by at least a h,
+    or by the rest of the way, or to 0 if the sign must change.
 
     Between two commands the acting velocity lies between them, and it reaches the second one in
     time.

@@ -107,8 +107,9 @@ def mirrored(mutation: Mutation) -> Statement:
     s = a.symbols
     there = a.forecast.mirrored(SX(-1)).changed(-mutation(1, 1.1) * s.to, a.table)
     here = a.forecast.changed(s.to, a.table).mirrored(SX(-1))
-    goals = [bound_of(x, way) - bound_of(y, way) >= 0
-             for x, y in ((there, here), (here, there)) for way in (1, -1)]  # fmt: skip
+    goals = [bound_of(x, way, part) >= bound_of(y, way, part)
+             for x, y in ((there, here), (here, there))
+             for way in (1, -1) for part in (0, -1)]  # fmt: skip
     return Statement(s, goals, a.stated)
 
 
@@ -157,7 +158,7 @@ class BandStep(BandAxis):
 
 @claim("filter.band.least")
 def least(mutation: Mutation) -> Statement:
-    """the largest command is 0, or at most the command that each of the conditions admits if 0
+    """the largest command is at most 0, or at most the command that each condition admits if 0
     follows.
 
     None of the conditions is left out.
@@ -319,8 +320,9 @@ def fading(mutation: Mutation) -> Statement:
 
     The distance of the base from its command is bounded whenever the next command comes.
 
-    Given: r <= reach, p <= past; what stays of both is g >= 0, with g (1 + x + x^2/2) <= 1, x the
-    rate times the time since the last sample, and g <= soonest where that came on its beat.
+    Given: 0 <= r <= reach, 0 <= p <= past; what stays of both is g >= 0, with g (1 + x + x^2/2) <=
+    1, x the rate times the time since the last sample, both at least 0; 0 <= soonest, and g <=
+    soonest if the sample came on its beat.
     """
     s = symbols("reach past held u came rate time soonest r p g")
     came, x = s.came, s.rate * s.time
@@ -346,4 +348,4 @@ def past(mutation: Mutation, way: int) -> Statement:
     bound = Fading(SX(0), s.past, s.held).bounds(s.c)[0 if way > 0 else 1]
     v = way * (s.v - s.held)
     known = s.past >= mutation(1, 0.9) * v, PAST * s.c >= way * s.v
-    return Statement(s, bound >= v, (known, nonnegative(s.c, v)))
+    return Statement(s, bound >= v, (known, s.c >= 0))

@@ -122,13 +122,13 @@ COUNTING: dict[str, object] = {
 
 @claim("filter.in-time")
 def in_time(mutation: Mutation) -> Statement:
-    """the count is also right after the next sample, and the governor trusts its bounds if the
-    count equals the number of commands that may act.
+    """the count is also right after the next sample, and the governor takes all commands that may
+    act for punctual exactly if the count equals their number.
 
     After a late sample the clip acts until every command that may still act was punctual.
 
-    Given: samples have come in time since one that did not, and the filter's count is that many, at
-    most the commands that may act on either axis; the next comes in time or not.
+    Given: the filter's count is the number of samples that came in time since one that did not, at
+    most that of the commands that may act on either axis; the next sample comes in time or not.
     """
     graph = Governor(load_scenario("paper-simulation", COUNTING))
     (count,) = list(graph.counted)
@@ -158,11 +158,12 @@ def least(mutation: Mutation) -> Statement:
     If that limit is at least b, the least command that acts, the command is 0 or no smaller than b,
     and the sum not sent stays within b.
 
-    The command sent has an effect, equals the request on average, and is as safe as any other
-    command.
+    If the limit admits b, each command that is sent has an effect, and small ones equal the request
+    on average; all are as safe as other commands.
 
-    Given: {COMMANDS}; the limit (V - dbar)/K_max and b above 0; the unsent sum of earlier commands
-    within b, their sign 1, -1 or 0; v and omega each by its own factor.
+    Given: {COMMANDS}; the limit (V - dbar)/K_max, V less 2^-26 of it, and b, `base.deadband` and
+    2^-26 of it, above 0; the unsent sum of earlier commands within b, their sign 1, -1 or 0; v and
+    omega each by its own factor, no dead band of the wheels.
     """
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)
@@ -317,7 +318,7 @@ def held_friction(mutation: Mutation) -> Statement:
     "filter.held-kick", given=TANH.format("2", "each of stages and v1 behind to each other")
 )
 def held_kick(mutation: Mutation) -> Statement:
-    """in a Runge-Kutta step h of the plant v1 changes by less than h (F - F1(v1))/m; the difference
+    """in a Runge-Kutta step h of the plant v1 changes by at most h (F - F1(v1))/m; the difference
     is at most h/m times the rise of F1 from the step's start to its end.
 
     While v approaches a command from one side, friction held over steps causes a total deviation of

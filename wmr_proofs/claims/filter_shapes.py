@@ -107,14 +107,13 @@ def clip_step(mutation: Mutation, more: Keys) -> Statement:
     each={scale: {"scale": scale} for scale in ("curvature", "axes", "turn", "drive")},
 )
 def slew_together(mutation: Mutation, scale: str) -> Statement:
-    """|u| <= c and |u - u_before| <= a t on both axes, 0 <= t <= T the time since the sample
-    before, u the command that the whole clip with slew sends, with one factor for both axes, one
-    for each, or one axis first.
+    """|u| <= c and |u - u_before| <= a t on both axes, 0 <= t <= T, u the command that the whole
+    clip with slew sends, with one factor for both axes, one for each, or one axis first.
 
     Commands stay within their limit and change no faster than stated, for any request.
 
-    Given: {COMMANDS}, at any time; parameters that are sound, a, T > 0, c = (V (1 - 2^-26) - delta
-    - a reach)/K_max > 0; the command before within c.
+    Given: {COMMANDS}, at any time; {GONE}; v and omega limited; parameters that are sound, a, T >
+    0, c = (V (1 - 2^-26) - delta - a reach)/K_max > 0; the command before within c.
     """
     clip = _clip(SLOW | {"filter.scale": scale})
     (before,), slew = clip.last, clip.p.take("filter.slew")
@@ -149,9 +148,10 @@ def rims(mutation: Mutation, more: Keys, side: int, wheel: int) -> Statement:
     The limit of a wheel includes pushes and errors of both axes.
 
     Given: any odometry within nbar of v and omega, or none, any time since the last sample; the
-    bounds that were kept hold if that is a period; w within W; no delay, jitter or losses, H = T;
-    l, T > 0, 0 < tau_min <= tau_max; 0 < K_min <= K <= K_max, |d_v| + l |d_omega| <= dbar_v + l
-    dbar_omega < W, each within its own; u at most the step's limit (filter.sent).
+    stored bounds hold if that time is a period, or given as 0; w within W; no delay, jitter or
+    losses, H = T; l, T > 0, 0 < tau_min <= tau_max, exp(-T/tau_min) <= E <= 1; 0 < K_min <= K <=
+    K_max, |d_v| <= dbar_v, |d_omega| <= dbar_omega, dbar_v + l dbar_omega < W; u at most the step's
+    limit (filter.sent).
     """
     graph, way = governor(more), WAYS[side]
     f = symbols("v1 v2 u K d1 d2 E kappa gone")
@@ -206,9 +206,10 @@ def assembled(mutation: Mutation, more: Keys) -> Statement:
 
     A command may act for longer than a period, and the filter takes that into account.
 
-    Given: any odometry within nbar, or none, any time since the last sample; the stored bounds hold
-    where every command that may act was sent in time; |v| <= V; T > 0, 0 < tau_min <= tau_max;
-    {INTERVALS}; exp(-H/tau_min) <= E <= 1; u at most the step's limit.
+    Given: any odometry within nbar, or none, any time since the last sample; the stored bounds
+    hold where every command that may act was sent in time; |v| <= V, one limit for both
+    directions less 2^-26 of it; v and omega limited; T > 0, 0 < tau_min <= tau_max; {INTERVALS};
+    exp(-H/tau_min) <= E <= 1; u at most the step's limit; mean <= max(drive(u), dbar).
     """
     graph = governor(more)
     table, cuts = elements_of(*ports_of(graph.system)), Cuts()

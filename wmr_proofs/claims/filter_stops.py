@@ -51,11 +51,11 @@ class Lowered(Named):
 
 @claim("filter.limits.enters")
 def enters(mutation: Mutation) -> Statement:
-    """E v + (1 - E) mean <= max(V, d + E (v_bar - d)), and <= v_bar.
+    """E v + (1 - E) mean <= max(V, dbar + E (v_bar - dbar)), and <= v_bar.
 
     A base above a limit is within it no later than a stop would bring it there.
 
-    Given: {LOWERED}; V < v_bar, u <= hi, mean <= drive(u).
+    Given: {LOWERED}; V < v_bar, u <= hi, mean <= drive(u) (filter.drive).
     """
     a = Lowered(mutation)
     goals = a.stopped(a.E) >= a.end, a.v_bar >= a.end
@@ -68,7 +68,7 @@ def inside(mutation: Mutation) -> Statement:
 
     Below a limit it stays inside.
 
-    Given: {LOWERED}; v_bar <= V, u <= hi, mean <= drive(u).
+    Given: {LOWERED}; v_bar <= V, u <= hi, mean <= drive(u) (filter.drive).
     """
     a = Lowered(Mutation(1))
     goals = a.end <= a.V, a.hi >= 0
@@ -77,11 +77,11 @@ def inside(mutation: Mutation) -> Statement:
 
 @claim("filter.limits.no-larger")
 def no_larger(mutation: Mutation) -> Statement:
-    """e2 v_bar + (1 - e2)(K_max u + d) > max(V, d + e2 (v_bar - d)).
+    """e2 v_bar + (1 - e2)(K_max u + dbar) > max(V, dbar + e2 (v_bar - dbar)).
 
     Under a larger command the slowest base stays above the limit for longer than in a stop.
 
-    Given: {LOWERED}; d < V <= v_bar, hi < u.
+    Given: {LOWERED}; dbar < V <= v_bar, hi < u.
     """
     a = Lowered(Mutation(1))
     sent = a.u > mutation(1, 0.99) * a.hi, a.dbar < a.V, a.v_bar >= a.V
@@ -108,7 +108,8 @@ def way(mutation: Mutation) -> Statement:
 
     One of the two extreme time constants bounds the distance in a piece of time.
 
-    Given: 0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A.
+    Given: 0 <= A_least <= A <= A_most <= t; v <= w, x <= m t + (v - m) A; farthest(w, m, t) = m t +
+    max((w - m) A_least, (w - m) A_most).
     """
     t = symbols("t A A_least A_most v w m x")
     rest = between(t.A, t.A_most, t.t), t.w >= t.v
@@ -153,11 +154,11 @@ class Plan(Named):
 
 @claim("filter.free.plan")
 def plan(mutation: Mutation) -> Statement:
-    """m D + (w - m) A + A_B (w + (m - w) q - d) + d B <= free, for both ends of tau.
+    """way + m D + (w - m) A + A_B (w + (m - w) q - d) + d B <= free, for both ends of tau.
 
     A command that the graph admits stops within the free distance for either end of tau.
 
-    Given: tau_min <= tau_max, 0 <= d <= w; m <= steady(free), the largest steady speed.
+    Given: {STOP}; 0 <= d <= w; m <= steady(free), the largest steady speed.
     """
     a = Plan()
     goals = [a.free >= a.needed(k, a.m) for k in (0, 1)]
@@ -170,8 +171,9 @@ def real(mutation: Mutation) -> Statement:
 
     The distance of the true base is at most that for one end of tau.
 
-    Given: d <= m; A and q of the true tau between those of its ends, v <= w; x_2 and v_3: way and
-    speed under the command, x_3: during the rest.
+    Given: 0 <= d <= w, d <= m, v <= w; A and q of the true tau between those of its ends, 0 <= A <=
+    D, 0 <= q <= 1, and 0 <= a_B <= A_B <= B; distance and speed under the command x_2 <= m D + (v -
+    m) A, v_3 <= v + q (m - v), and x_3 <= max(v_3 - d, 0) a_B + d B, the distance during the rest.
     """
     t = symbols("D A_1 A_2 q_1 q_2 A_B d B w m v a q a_B x_2 v_3 x_3")
     ends = ((t.A_1, t.q_1), (t.A_2, t.q_2))
@@ -192,11 +194,11 @@ def real(mutation: Mutation) -> Statement:
 
 @claim("filter.free.necessary")
 def necessary(mutation: Mutation) -> Statement:
-    """The distance for one end of tau exceeds the free one.
+    """The distance for one end of tau (filter.free.plan) exceeds the free one.
 
     No larger command stops every base in time.
 
-    Given: tau_min <= tau_max, 0 <= d <= w <= m; steady(free) < m.
+    Given: {STOP}; 0 <= d <= w, d <= m; 0 < free, steady(free) < m.
     """
     a = Plan()
     beyond = a.m > mutation(1, 0.99) * a.most(Mutation(1))
@@ -223,7 +225,7 @@ def roll(mutation: Mutation) -> Statement:
 
     Largest roll after one release of a command away.
 
-    Given: 0 <= d, v_3 <= 0, A(B; tau_min) <= a_B <= B; x_3 <= d B + (v_3 - d) a_B.
+    Given: {FADES}; 0 <= d, v_3 <= 0, x_3 <= d B + (v_3 - d) a_B.
     """
     t, stop, given = _leaving(mutation)
     return Statement(t, stop.roll >= t.x_3, (given, -t.v_3 >= 0), {"minus_A_least": -stop.quick})
@@ -235,8 +237,8 @@ def retreat(mutation: Mutation) -> Statement:
 
     A command away that the distance admits rolls no farther than the free distance.
 
-    Given: v_3 <= max(w, target) <= 0, x_1 <= distance before, x_2 <= 0; x_3 <= d B + (v_3 - d) a_B;
-    retreat(...) <= free.
+    Given: {FADES}; 0 <= d, v_3 <= s = max(w, target) <= 0, 0 <= x_1, x_2 <= 0, x_3 <= d B + (v_3 -
+    d) a_B; x_1 + max(0, d B + (s - d) A(B; tau_min)) <= free; nothing comes nearer.
     """
     t, stop, given = _leaving(Mutation(1))
     speed = fmax(t.w, t.target)
@@ -254,8 +256,9 @@ def hold(mutation: Mutation) -> Statement:
 
     After the hold a release ends no nearer than where the command began.
 
-    Given: 0 <= d, 0 < p, A(B; tau_min) <= a_B <= B; a command with the pull p acts for h >= hold(p)
-    from rest: x_2 <= -p (h - a), v_3 <= -p q, a <= tau_max q, q <= 1; x_3 <= d B + (v_3 - d) a_B.
+    Given: {FADES}; 0 <= d, 0 < p; a command with the pull p acts for h >= hold(p) = d (B - A(B;
+    tau_min))/p + tau_max - A(B; tau_min) from rest: x_2 <= -p (h - a), v_3 <= -p q, 0 <= a <=
+    tau_max q, 0 <= q <= 1; x_3 <= d B + (v_3 - d) a_B.
     """
     t, stop, given = _leaving(Mutation(1))
     given += [
@@ -292,7 +295,7 @@ def ramp(mutation: Mutation) -> Statement:
 
     A base that slows down by A stops within its room.
 
-    Given: 0 < A, h; 0 <= room; 0 <= m <= stopping_speed(room).
+    Given: 0 < A, h; 0 <= room; 0 <= m <= stopping_speed(room) = A (sqrt(h^2 + 2 room/A) - h).
     """
     t = symbols("A h room m")
     A, h, room, m = t.values()
@@ -307,17 +310,19 @@ def falling(mutation: Mutation) -> Statement:
 
     A limit that falls no faster than the guard surely brakes is kept.
 
-    Given: 0 < M_min <= M <= M_max, 0 < T, 0 <= net <= brake; v <= V_0, V_0 - largest_fall <= V_1,
-    f_speed < V_1; v_1 <= max(V_1, v - T (braking - net)/M).
+    Given: 0 < M_min <= M <= M_max, alpha, T > 0, 0 <= net <= brake; limits V_0 this way and U_0 the
+    other way, then V_1 and U_1; f_speed <= told, the smaller one of those that are told, told <=
+    V_1, U_1; V_0 - largest_fall <= V_1, U_0 - largest_fall <= U_1; v <= V_0, v_1 <= max(V_1, v - T
+    max(braking - net, 0)/M), braking = min(brake, M_min alpha (min(V_1, U_1) - f_speed) - net).
     """
-    names = "M_min M_max dbar f_min f_speed nbar alpha brake M T v v_1 V_0 V_1"
+    names = "M_min M_max dbar f_min f_speed nbar alpha brake M T v v_1 V_0 V_1 U_0 U_1 told"
     t = symbols(names)
-    b = Bounds(u1=t.V_1, period=t.T, **{key: t[key] for key in names.split()[:8]})
-    fall = largest_fall(b, [t.V_0, t.V_0], [t.V_1, t.V_1])
+    b = Bounds(u1=t.V_1, back=t.U_1, period=t.T, **{key: t[key] for key in names.split()[:8]})
+    fall = largest_fall(b, [t.V_0, t.U_0], [t.told, t.told])
     reached = fmax(t.V_1, t.v - t.T * fmax(fmin(b.brake, b.cap) - b.net, 0) / t.M)
     given = (
         positive(t.M_min, t.T, t.alpha), between(t.M_min, t.M, t.M_max), t.v <= t.V_0,
-        between(0, b.net, b.brake), t.f_speed <= t.V_1,
-        t.V_0 - mutation(1, 1.1) * fall <= t.V_1, reached >= t.v_1,
+        between(0, b.net, b.brake), between(t.f_speed, t.told, b.narrow),
+        t.V_0 - mutation(1, 1.1) * fall <= t.V_1, t.U_0 - fall <= t.U_1, reached >= t.v_1,
     )  # fmt: skip
     return Statement(t, (t.v_1 <= t.V_1, fall >= 0), given)

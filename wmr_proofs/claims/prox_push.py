@@ -143,7 +143,7 @@ def pushed(mutation: Mutation, axis: int) -> Statement:
     The effect of a push in one sample, at every speed: the part that the observer does not
     compensate, over the mass.  At no speed is a push stronger than the law.
 
-    Given: T, M > 0, mass right; w+ the distance to the actual target, c+ + eps.
+    Given: as prox.contracts; T, M > 0, mass right; w+ the distance to the actual target, c+ + eps.
     """
     s = Sampled(axis)
     t = symbols("d w way x_next x_real eps E")

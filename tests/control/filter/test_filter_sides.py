@@ -66,6 +66,17 @@ def test_a_command_between_its_ends_passes():
         assert filtered.step(command).command == pytest.approx(command, rel=1e-12)
 
 
+def test_wheels_that_turn_first_pass_what_turns_within_their_limits_alone():
+    wheels = {"filter.channels": "wheels", "filter.scale": "turn", "limits.v_min": (-0.2, -1.0)}
+    scenario = stated("clip", **wheels)
+    filtered, rows = CommandFilter(scenario), passing_commands(scenario)
+    asked = np.random.default_rng(5).uniform(-1, 1, (500, 2))
+    inside = [u for u in asked if all(low <= u @ row <= high for _, row, (low, high) in rows)]
+    assert len(inside) > 10
+    for command in inside:
+        assert filtered.step(command.tolist()).command == pytest.approx(command, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     "more, said",
     cases(r"""

@@ -311,10 +311,15 @@ def passing_commands(scenario: Scenario) -> list[tuple[str, Pair, Pair]]:
     most, sides, sound = (item.full() for item in graph(values(ports)))
     most = most * sound * (scenario.filter.free_error is None or not scenario.obstacles)
     names = SIDES[2:] if scenario.filter.channels == "wheels" else SIDES
-    return [
+    found = [
         (name, (float(row[0]), float(row[1])), (float(ends[0]) * SHRUNK, float(ends[1]) * SHRUNK))
         for name, row, ends in zip(names, sides, most, strict=False)
     ]
+    if scenario.filter.channels == "wheels" and scenario.filter.scale == "turn":
+        _, (_, arm), (low, high) = found[0]
+        least = min(-low, high)  # it goes first, as if v were 0
+        found.append(("the turn alone", (0.0, arm), (-least, least)))
+    return found
 
 
 @dataclass(frozen=True)
