@@ -95,6 +95,16 @@ def test_a_lowered_limit_does_not_hide_how_fast_the_base_still_is():
     assert 0 < clip.step((1.0, 0.0), free=(3.0, 3.0), limits=slow, **told).command[0] < 0.2
 
 
+def test_a_base_that_a_lag_keeps_moving_is_not_taken_to_stand():
+    own = {**BASE, "filter.d": (0.0, 0.0), "filter.rest": None, "filter.tau": (0.1, 5.0)}
+    clip = command_filter(load_scenario("paper-simulation", own))
+    told = {"measured": (0.3, 0.0), "free": (1.0, 9.0), "turn": (99.0, 99.0), "dt": T}
+    for _ in range(200):
+        clip.step((0.0, 0.0), **told)
+    assert clip.step((1.0, 0.0), **told).command == (0.0, 0.0)
+    assert clip.step((1.0, 0.0), **{**told, "free": (9.0, 9.0)}).command[0] > 0.1
+
+
 def test_a_base_of_a_run_that_slows_down_less_is_named():
     run = preset("paper-simulation", BASE, """
         base.decel = [1.0, 2.0]

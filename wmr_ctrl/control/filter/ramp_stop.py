@@ -174,6 +174,8 @@ class RampStopper(Clip, Watching):
     @cached_property
     def held(self) -> ca.SX:
         """1 if the base stands by the time the command acts, and (0, 0) is sent."""
+        if self.scenario.filter.rest is None:  # a lag alone never ends
+            return ca.SX(0)
         slowest = largest([self._slows(axis) for axis in AXES])
         enough = whole_steps(self.plans[0], self.T, self.brakes + slowest)
         return ca.logic_and(is_nothing(self.safe), self.in_row >= enough)
