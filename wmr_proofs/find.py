@@ -395,8 +395,8 @@ def _derivative(p: Polynomial, name: str) -> Polynomial:
 
 def _factors(p: Polynomial) -> list[Polynomial]:
     """Factors, with their own coefficients, of a polynomial that has several."""
-    unknowns = sorted(names(p))
-    ring = fmpq_mpoly_ctx.get(unknowns or ["x"], Ordering.lex)
+    unknowns = sorted(names(p)) or ["x"]
+    ring = fmpq_mpoly_ctx.get(unknowns, Ordering.lex)
     terms = {tuple(dict(m).get(name, 0) for name in unknowns): fmpq(str(c)) for m, c in p.items()}
     _, found = ring.from_dict(terms).factor()
     if len(found) < 2:

@@ -1,9 +1,11 @@
 """`wmr_proofs.check` accepts the certificates that `wmr_proofs.find` finds."""
 
+from fractions import Fraction
+
 import pytest
 
 from wmr_proofs.check import check
-from wmr_proofs.find import NotFound, point, proof
+from wmr_proofs.find import NotFound, _factors, point, proof
 
 HEAD = "(set-logic QF_NRA)\n(declare-fun |x| () Real)\n(declare-fun |y| () Real)\n"
 LARGER = "(assert (< (ite (<= |x| |y|) |y| |x|) |x|))"
@@ -28,3 +30,7 @@ def test_nothing_is_found_where_the_assertions_can_be_met():
         proof(met, 2.0)
     assert check(met, {"point": point(met, {"x": "5/2"})}) == "sat"
     assert point(met, {"x": "5/2"})["|x|"] == "5/2"
+
+
+def test_a_number_has_no_factors():
+    assert _factors({(): Fraction(3)}) == _factors({}) == []
