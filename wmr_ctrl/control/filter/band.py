@@ -222,7 +222,7 @@ class BandGovernor:
 
 
 LAST = Signal("v_last", "m/s, rad/s", "command that was sent last", 2)
-SPREAD = Signal("spread", "s", "how far samples on its beat were before the last and behind it", 2)
+SPREAD = Signal("spread", "s", "largest earliness and lateness on the beat", 2)
 NAMES = ("v", "omega")
 
 
@@ -250,8 +250,8 @@ def _slopes(axis: int, known: Band) -> list[Port]:
 def _faded_ports(name: str, unit: str) -> tuple[Port, ...]:
     """Ports of a `Fading`, in the order of its fields."""
     return (
-        port(Signal(f"reach_{name}", unit, f"bound of {name} from its end, at the sample")),
-        port(Signal(f"past_{name}", unit, "the same before the last untimely sample")),
+        port(Signal(f"reach_{name}", unit, f"bound of |{name} - its command|, at the sample")),
+        port(Signal(f"past_{name}", unit, "the same, from before the last untimely sample")),
         port(Signal(f"held_{name}", "m/s, rad/s", "command at that sample")),
     )
 

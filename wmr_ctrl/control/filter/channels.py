@@ -38,8 +38,8 @@ MEMORYLESS = ca.SX(0), ca.SX(0)
 
 ELAPSED = Signal("elapsed", "s", "time since the previous sample; 0: the clock's period")
 SENT = Signal("v_sent", "m/s, rad/s", "command that is safe", 2)
-DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed that pushes alone lead to", 2)
-FLAGS = Signal("filter_flags", "1", "sum of the bits of what is told")
+DELTA = Signal("filter.delta", "m/s, rad/s", "largest speed due to pushes alone", 2)
+FLAGS = Signal("filter_flags", "1", "sum of the flags that are set")
 
 LIMITED, UNUSED, BOUNDS_LEFT, LATE, REFUSED, UNSOUND, TURN_RADIUS = 1, 2, 4, 8, 16, 32, 2048
 SLOWING, NEAR_BY, NO_DISTANCE, LIMIT_REFUSED = 4096, 8192, 16384, 32768
@@ -100,9 +100,9 @@ class Channel:
 
 
 FREE = Signal(
-    "free", "m, m, rad, rad", "free way ahead and behind, left and right; 1e12: no limit", 4
+    "free", "m, m, rad, rad", "free distance ahead and behind, left and right; 1e12: no limit", 4
 )
-FREE_AGE = Signal("free_age", "s", "age of the free ways; negative: none is told")
+FREE_AGE = Signal("free_age", "s", "age of the free distances; negative: none is told")
 TOLD = (LIMITS, FREE, FREE_AGE)
 """What filters may be told beside commands and odometry."""
 

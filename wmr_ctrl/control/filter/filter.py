@@ -377,7 +377,7 @@ class CommandFilter:
         0. 0 or less means that the clock stopped or was set back; a ``dt`` longer than the time
         that has passed breaks a band's limit. A command that is not a number counts as (0, 0). The
         flags are `channels.FLAG_NAMES` (docs/filter.md). ``limits``: of v and of omega, each (least
-        [m/s, rad/s], largest); ``free``: free way ahead and behind [m], ``free_age`` [s] old;
+        [m/s, rad/s], largest); ``free``: free distance ahead and behind [m], ``free_age`` [s] old;
         ``turn``: free turning to the left and to the right [rad].  Raises ArgumentError for wrong
         lengths.
         """

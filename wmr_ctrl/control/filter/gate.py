@@ -24,11 +24,11 @@ from .stopping import WAITED
 
 COMMAND_AGE = Signal("command_age", "s", "time since the command came; negative: there is none")
 STOP = Signal("stop", "1", "1: stop at once, and stay stopped")
-RESET = Signal("reset", "1", "1: leave what a stop or a base too fast has latched")
+RESET = Signal("reset", "1", "1: unlatch after a stop or after a base too fast")
 LATCHED = Signal("latched", "1", "1: stopped until a reset")
 LAST = Signal("v_last", "m/s, rad/s", "command of the step before", 2)
 SENT = Signal("v_gate", "m/s, rad/s", "command that goes to the base", 2)
-FLAGS = Signal("gate_flags", "1", "sum of the bits of what is told")
+FLAGS = Signal("gate_flags", "1", "sum of the flags that are set")
 
 STOPPED, NO_COMMAND, NO_ODOMETRY, TOO_FAST, RAMPED = 64, 128, 256, 512, 1024
 GATE_FLAGS = {

@@ -42,8 +42,8 @@ from .governor import (
 from .heard import Heard
 from .heard import Sides as Sides
 
-ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity that odometry tells", 2)
-IN_TIME = Signal("in_time", "1", "samples that came in time since one that did not")
+ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity from odometry", 2)
+IN_TIME = Signal("in_time", "1", "samples in time since the last that was not")
 
 
 AGREED = 2.0**-15

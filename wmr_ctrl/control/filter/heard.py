@@ -19,7 +19,7 @@ from .governor import NEAR, Schedule, largest
 Sides: TypeAlias = list[list[ca.SX]]
 """A number of every channel, of its speed first, then of the speed's negative."""
 Made = TypeVar("Made")
-FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "least free ways since they were told", 4)
+FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "free distances that certainly remain", 4)
 RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 
 
