@@ -2,9 +2,9 @@
 
 Nothing here is trusted.  A model of z3 shows which choice it violates, and that choice is split.
 If z3 says that the facts of a case contradict each other, a small subset that does so is searched.
-Exact linear programming then finds products of these facts that add up to 0.  If a case does not
-need its own condition, its tree also closes the other cases.  ``python -m tests.proofs.record ID``
-then enters the results in the ledger.
+Linear programming then finds products of these facts that add up to 0 (`wmr_proofs.products`).  If
+a case does not need its own condition, its tree also closes the other cases.
+``python -m tests.proofs.record ID`` then enters the results in the ledger.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import argparse
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
+from itertools import islice
 from math import prod
 from time import process_time
 from typing import Any, TypeAlias
@@ -32,13 +33,13 @@ from .check import (
     Formula,
     Join,
     Monomial,
+    Number,
     Polynomial,
     Problem,
     Quotient,
     Refused,
     add,
     check,
-    const,
     digest,
     exact,
     key,
@@ -51,32 +52,45 @@ from .check import (
 from .claim import Claim
 from .claims import all_claims
 from .methods.obligations import Obligation, uses_z3
+from .products import (
+    Facts,
+    Products,
+    Used,
+    able_to_cancel,
+    groups,
+    multiples,
+    product_of,
+    products,
+    quotient,
+    shares,
+)
 from .runner import selected
 
-Facts: TypeAlias = dict[str, Fact]
 Node: TypeAlias = list[Any]
 """Of a tree, as `check` has it."""
-Used: TypeAlias = tuple[Any, ...]
-"""Names of the facts in a product, or of an equation and the monomial of its multiple."""
 
 ROOT = "~"
 """Begins the name of a square in a search."""
-DEGREE = 5
-"""Most factors of a product."""
-DEPTH = 40
+SIGN = "cs"
+"""Begins the name of a cut that shows the sign of an unknown in all cases."""
+DEPTH = 150
 """Most cases within cases."""
 CUTS = 3
 """Most cases of signs among them."""
 EVERY = 8000
 """Most products that are tried."""
-MOST = 600
-"""Most products that share monomials."""
+KEPT = 12
+"""Most sums that are tried again."""
+FORMULAS = 20_000
+"""Most facts that are kept in the form for z3."""
 SECONDS = 10.0
 """Of the processor for one obligation."""
 SOON = 300_000
 """Work of z3 for a question about a few facts."""
 LATER = 3_000_000
 """Work of z3 for a question about the facts of a case."""
+RATE = 1000
+"""Least work of z3 in a millisecond; z3 does not count all of its work."""
 
 
 class NotFound(Exception):  # noqa: N818
@@ -119,96 +133,98 @@ class Search:
 
     def __init__(self, end: float) -> None:
         self.end = end
-        self.good: list[tuple[frozenset[Any], int]] = []
+        self.good: list[list[Used]] = []
+        """Products of sums that were found, the latest first."""
 
     def tree(self, case: Case, depth: int = 0) -> Node:
         """A tree that refutes a case."""
         if depth > DEPTH:
             raise NotFound("too many cases within cases")
+        heads = []
+        for head, inner in self._signs(case, depth == 0):
+            heads.append((case, head))
+            case = inner
         facts = _facts(case)
-        inner = case
-        signs = []
-        for number, sign, total in self._signs(case, facts):
-            signs.append((inner, number, sign, total))
-            inner = inner.signed(number, sign)
-        node = self._node(inner, _facts(inner) if signs else facts, depth)
-        for outer, number, sign, total in reversed(signs):
+        node, model = self._end(facts, LATER)
+        node = node or self._split(case, facts, model, depth)
+        for outer, head in reversed(heads):
             if not _refutes(outer, node):
-                node = ["den", number, sign, total, node]
+                node = [*head, node]
         return node
 
-    def _node(self, case: Case, facts: Facts, depth: int) -> Node:
+    def _end(self, facts: Facts, work: int) -> tuple[Node | None, Any]:
+        """A sum which shows that facts contradict each other, and z3's model if they do not."""
         found = self._sum(facts, 1)
-        for used, degree in self.good:
-            if found is None and used <= set(facts):
-                found = self._sum({name: facts[name] for name in used}, degree)
+        unequal = {name for name, fact in facts.items() if fact.kind != "="}
+        for uses in self.good:
+            if found is None and unequal >= set().union(*uses):
+                found = self._total(facts, uses, 2)
         if found is not None:
-            return found
-        answer, model = self._asked(facts.values(), LATER)
-        if answer == z3.unsat:
-            found = self._closed(facts)
-            if found is not None:
-                return found
-        return self._split(case, facts, model, depth)
+            return found, None
+        answer, model = self._asked(facts.values(), work)
+        return self._closed(facts) if answer == z3.unsat else None, model
 
-    def _closed(self, facts: Facts, degrees: Iterable[int] = range(2, 4)) -> Node | None:
+    def _closed(self, facts: Facts) -> Node | None:
         """A sum of facts that z3 finds to contradict each other."""
         few = self._core(facts)
         unknowns = set[str]().union(*(names(fact.poly) for fact in few.values()))
-        few |= {name: fact for name, fact in facts.items() if name.startswith("c")}
         near = {name: fact for name, fact in facts.items()
                 if len(names(fact.poly)) == 1 and names(fact.poly) <= unknowns}  # fmt: skip
-        for degree in degrees:
-            signed = near | few
-            for chosen in (few, signed, signed | _squares(few))[: 2 + (degree < 4)]:
-                found = self._sum(chosen, degree)
-                if found is not None:
-                    used = {name for item in found[1] for name in item[1]}
-                    used |= {item[0] for item in found[2]}
-                    self.good.insert(0, (frozenset(used), degree))
-                    del self.good[8:]
-                    return found
-        return None
+        signed = near | few
+        found = self._sum(few, 2)
+        left = groups(signed, few)
+        while found is None and (group := next(left, None)):
+            found = self._total(signed, group, 2)
+        found = found or self._sum(signed | _squares(few), 2)
+        if found is not None:
+            self.good.insert(0, [tuple(item[1]) for item in found[1]])
+            del self.good[KEPT:]
+        return found
 
     def _core(self, facts: Facts) -> Facts:
         """A small subset of the facts that still contradict each other."""
-        kept, size = list(facts), max(1, len(facts) // 2)
-        while size:
-            place = 0
-            while place < len(kept):
-                less = kept[:place] + kept[place + size :]
-                if self._asked([facts[name] for name in less], SOON)[0] == z3.unsat:
-                    kept = less
-                else:
-                    place += size
-            size //= 2
+        solver = z3.SimpleSolver()
+        solver.set(rlimit=SOON, timeout=SOON // RATE)
+        for name, fact in facts.items():
+            solver.assert_and_track(_formula(fact), name)
+        contradicted = solver.check() == z3.unsat
+        kept = [mark.decl().name() for mark in solver.unsat_core()] if contradicted else list(facts)
+        for name in tuple(kept):
+            less = [other for other in kept if other != name]
+            if self._asked([facts[other] for other in less], SOON)[0] == z3.unsat:
+                kept = less
         return {name: facts[name] for name in kept}
 
-    def _signs(self, case: Case, facts: Facts) -> Iterator[tuple[int, int, Node]]:
-        """Quotients whose denominators have a sign, each with a sum that shows it."""
-        seen = set(case.signs)
+    def _signs(self, case: Case, first: bool) -> Iterator[tuple[Node, Case]]:
+        """Cases with one known sign more, after the node that shows it: of a denominator, and
+        ``first`` of unknowns.
+        """
+        facts = _facts(case)
+        for unknown in case.problem.symbols if first else ():
+            if Fact(var(unknown), ">") in facts.values():
+                continue
+            for sign in (1, -1):
+                name, wrong = f"{SIGN}{len(facts)}", Fact(add({}, var(unknown), -sign), ">=")
+                total = self._sum({**facts, name: wrong}, 1)
+                if total is not None:
+                    case = case.having(name, negated(wrong))
+                    facts = _facts(case)
+                    yield ["cut", name, _told(wrong.poly), total], case
+                    break
         for number, atom in enumerate(case.problem.atoms):
-            if not isinstance(atom, Quotient) or key(atom.below) in seen:
+            if not isinstance(atom, Quotient) or key(atom.below) in case.signs:
                 continue
             below = case.plain(atom.below)
             if any(name.startswith("?") for name in names(below)):
                 continue
             for sign in (1, -1):
-                total = self._contradicted({**facts, "*": Fact(add({}, below, -sign), ">=")})
+                wrong = Fact(add({}, below, -sign), ">=")
+                total, _ = self._end({**facts, "*": wrong}, SOON)
                 if total is not None:
-                    seen.add(key(atom.below))
-                    yield number, sign, total
+                    case = case.signed(number, sign)
+                    facts = _facts(case)
+                    yield ["den", number, sign, total], case
                     break
-
-    def _contradicted(self, facts: Facts) -> Node | None:
-        unknowns = names(facts["*"].poly)
-        near = {name: fact for name, fact in facts.items() if names(fact.poly) <= unknowns}
-        for degree in (1, 2):
-            found = self._sum(near, degree)
-            if found is not None:
-                return found
-        answer, _ = self._asked(facts.values(), SOON)
-        return self._closed(facts) if answer == z3.unsat else None
 
     def _split(self, case: Case, facts: Facts, model: Any, depth: int) -> Node:
         """The cases of a choice, or of a disjunction, which a model violates if there is one."""
@@ -243,34 +259,21 @@ class Search:
         )
 
     def _by_sign(self, case: Case, facts: Facts, depth: int) -> Node:
-        """The cases of a sign: of a factor of contradictory facts, or of an unknown.
-
-        If all of them have a known sign, a sum of products of more facts is tried.
-        """
+        """The cases of a sign: of a factor of contradictory facts, or of an unknown."""
         core = self._core(facts).values()
         chosen = [fact for name, fact in facts.items() if name[-1] in "+-"]
         read = [factor for fact in (*core, *chosen) for factor in _factors(fact.poly)]
         read += [var(name) for fact in core for name in sorted(names(fact.poly))]
-        cuts = sum(1 for name in facts if name.startswith("c"))
-        free = None if cuts >= CUTS else self._of_either_sign(read, facts)
-        if free is None:
-            found = self._closed(facts, range(4, DEGREE + 1))
-            if found is None:
-                raise NotFound("no case is left to be split")
-            return found
-        name, cut = f"c{cuts}", Fact(free, ">=")
+        cuts = sum(1 for name in facts if name.startswith("c") and not name.startswith(SIGN))
+        free = (p for p in read if cuts < CUTS and all(
+            self._sum({**facts, "*": Fact(add({}, p, sign), ">")}, 1) is None for sign in (1, -1)
+        ))  # fmt: skip
+        poly = next(free, None)
+        if poly is None:
+            raise NotFound("no case is left to be split")
+        name, cut = f"c{cuts}", Fact(poly, ">=")
         cases = [case.having(name, cut), case.having(name, negated(cut))]
         return self._cases(["cut", name, _told(cut.poly)], case, cases, depth)
-
-    def _of_either_sign(self, polys: Iterable[Polynomial], facts: Facts) -> Polynomial | None:
-        """The first of these polynomials whose sign no sum of facts shows; None if there is
-        none.
-        """
-        for p in polys:
-            sides = (Fact(add({}, p, sign), ">") for sign in (1, -1))
-            if all(self._sum({**facts, "*": side}, 1) is None for side in sides):
-                return p
-        return None
 
     def _cases(self, head: Node, case: Case, cases: Iterable[Case], depth: int) -> Node:
         for part in cases:
@@ -286,57 +289,39 @@ class Search:
             raise NotFound("out of time")
         for name in ("qfnra-nlsat", "smt"):
             solver = z3.Tactic(name).solver()
-            solver.set("rlimit", work)
+            solver.set(rlimit=work, timeout=work // RATE)
             solver.add(*map(_formula, facts))
             answer = solver.check()
             if answer != z3.unknown:
                 return answer, solver.model() if answer == z3.sat else None
         return z3.unknown, None
 
-    def _sum(self, facts: Facts, degree: int) -> Node | None:
-        """A sum of products of at most ``degree`` facts and of multiples of equations."""
-        if process_time() > self.end:
-            raise NotFound("out of time")
-        products = _products(facts, degree)
-        multiples = _multiples(facts, products, degree)
-        if len(products) + len(multiples) > EVERY:
-            return None
-        products = _able_to_cancel(products, multiples)
-        polys = {used: p for used, (p, _) in products.items()} | multiples
-        for part in _linked(polys):
-            above = {used: products[used][1] for used in part if used in products}
-            if any(above.values()) and len(part) <= MOST:
-                found = self._program({used: polys[used] for used in part}, above)
-                if found is not None:
-                    return found
-        return None
+    def _sum(self, facts: Facts, most: int) -> Node | None:
+        """A sum of products of at most ``most`` facts and of multiples of equations."""
+        return self._total(facts, products(facts, most), 1)
 
-    def _program(self, polys: Mapping[Used, Polynomial], above: Mapping[Used, bool]) -> Node | None:
-        """A sum of multiples of these, by exact linear programming; multiples in ``above`` are >=
-        0.
-        """
+    def _total(self, facts: Facts, uses: Iterable[Used], rounds: int) -> Node | None:
+        """A sum of these products and of multiples of equations."""
         if process_time() > self.end:
             raise NotFound("out of time")
-        rows = dict[Any, list[Any]]()
-        solver = z3.SolverFor("QF_LRA")
-        solver.set("rlimit", LATER)
-        shares = {known: z3.Real(f"x{k}") for k, known in enumerate(polys)}
-        for known, p in polys.items():
-            for monomial, c in p.items():
-                rows.setdefault(monomial, []).append(z3.RealVal(str(c)) * shares[known])
-        solver.add(*(z3.Sum(row) == 0 for row in rows.values()))
-        solver.add(*(shares[known] >= 0 for known in above))
-        solver.add(z3.Sum([shares[known] for known, strict in above.items() if strict]) > 0)
-        if solver.check() != z3.sat:
+        known = Products()
+        found = {used: product_of(facts, used, known) for used in islice(uses, EVERY)}
+        free = multiples(facts, found, rounds)
+        if len(found) + len(free) > EVERY:
             return None
-        model = solver.model()
-        value = {known: model.eval(share, True).as_fraction() for known, share in shares.items()}
+        found = able_to_cancel(found, free)
+        above = {used: strict for used, (_, strict) in found.items()}
+        if not any(above.values()):
+            return None
+        value = shares({used: p for used, (p, _) in found.items()} | free, above)
+        if value is None:
+            return None
         equations = dict[Any, Polynomial]()
-        for known in polys:
-            if known not in above:
-                equations.setdefault(known[0], {})[known[1]] = value[known]
+        for used in value.keys() - above.keys():
+            equations.setdefault(used[0], {})[used[1]] = value[used]
         told = [[name, _told(p)] for name, p in equations.items() if any(p.values())]
-        return ["sum", [_item(value[used], used) for used in above if value[used]], told]
+        items = [_item(value[used], used) for used in above if value.get(used)]
+        return ["sum", items, told]
 
 
 def _facts(case: Case) -> Facts:
@@ -371,13 +356,19 @@ def _formula(formula: Formula) -> Any:
     if isinstance(formula, Join):
         parts = [_formula(part) for part in formula.parts]
         return z3.And(*parts) if formula.word == "and" else z3.Or(*parts)
+    return _compared(key(formula.poly), formula.kind)
+
+
+@lru_cache(FORMULAS)
+def _compared(poly: tuple[tuple[Monomial, Number], ...], kind: str) -> Any:
+    """A fact for z3."""
     terms = [
         prod([_real(name) ** power if power > 1 else _real(name) for name, power in monomial],
              start=z3.RealVal(str(c)))
-        for monomial, c in formula.poly.items()
+        for monomial, c in poly
     ]  # fmt: skip
     value = z3.Sum([z3.RealVal(0), *terms])
-    return {"=": value == 0, ">": value > 0, ">=": value >= 0}[formula.kind]
+    return {"=": value == 0, ">": value > 0, ">=": value >= 0}[kind]
 
 
 def _squares(facts: Facts) -> Facts:
@@ -390,7 +381,7 @@ def _squares(facts: Facts) -> Facts:
 
 def _derivative(p: Polynomial, name: str) -> Polynomial:
     return {rest: c * dict(m)[name] for m, c in p.items()
-            if (rest := _rest(m, ((name, 1),))) is not None}  # fmt: skip
+            if (rest := quotient(m, ((name, 1),))) is not None}  # fmt: skip
 
 
 def _factors(p: Polynomial) -> list[Polynomial]:
@@ -413,81 +404,6 @@ def _item(share: object, used: Used) -> Node:
     roots = [json.loads(name[1:]) for name in used if name.startswith(ROOT)]
     facts = [name for name in used if not name.startswith(ROOT)]
     return [str(share), facts, roots] if roots else [str(share), facts]
-
-
-def _products(facts: Facts, degree: int) -> dict[Used, tuple[Polynomial, bool]]:
-    """Products of inequalities, and whether they are above 0."""
-    above = {name: fact for name, fact in facts.items() if fact.kind != "="}
-    level: dict[Used, tuple[Polynomial, bool]] = {(): (const(1), True)}
-    found = dict(level)
-    for _ in range(degree):
-        if len(found) > EVERY:
-            break
-        level = {
-            (*used, name): (mul(p, fact.poly), strict and fact.kind == ">")
-            for used, (p, strict) in level.items()
-            for name, fact in above.items()
-            if not used or name >= used[-1]
-        }
-        found |= level
-    return found
-
-
-def _multiples(
-    facts: Facts, products: Mapping[Used, tuple[Polynomial, bool]], degree: int
-) -> dict[Used, Polynomial]:
-    """Multiples of equations that have a monomial in common with products."""
-    equations = {name: fact.poly for name, fact in facts.items() if fact.kind == "="}
-    known = {m for p, _ in products.values() for m in p} if equations else set()
-    return {
-        (name, rest): mul(p, {rest: 1})
-        for name, p in equations.items()
-        for whole in known
-        for part in p
-        if (rest := _rest(whole, part)) is not None and sum(power for _, power in rest) <= degree
-    }
-
-
-def _rest(whole: Monomial, part: Monomial) -> Monomial | None:
-    """The quotient of two monomials; None if it is not a monomial."""
-    powers = dict(whole)
-    for name, power in part:
-        powers[name] = powers.get(name, 0) - power
-    if min(powers.values(), default=0) < 0:
-        return None
-    return tuple((name, power) for name, power in sorted(powers.items()) if power)
-
-
-def _able_to_cancel(
-    products: dict[Used, tuple[Polynomial, bool]], multiples: Mapping[Used, Polynomial]
-) -> dict[Used, tuple[Polynomial, bool]]:
-    """Products without those that have a monomial with only one sign among all products."""
-    free = {monomial for p in multiples.values() for monomial in p}
-    while True:
-        signs = {(m, c > 0) for p, _ in products.values() for m, c in p.items()}
-        alone = {m for m, up in signs if (m, not up) not in signs} - free
-        kept = {known: item for known, item in products.items() if not alone & set(item[0])}
-        if len(kept) == len(products):
-            return kept
-        products = kept
-
-
-def _linked(polys: Mapping[Used, Polynomial]) -> Iterator[list[Used]]:
-    """Groups of polynomials linked by shared monomials; a sum is 0 only if it is 0 in each
-    group.
-    """
-    groups = dict[Any, list[Used]]()
-    for known, p in polys.items():
-        touched = {id(groups[m]): groups[m] for m in p if m in groups}
-        group = max(touched.values(), key=len, default=list[Used]())
-        group.append(known)
-        for other in touched.values():
-            if other is not group:
-                group += other
-                groups.update((m, group) for item in other for m in polys[item])
-        groups.update((m, group) for m in p)
-    yield from ([known] for known, p in polys.items() if not p)
-    yield from {id(group): group for group in groups.values()}.values()
 
 
 def _told(p: Polynomial) -> Node:

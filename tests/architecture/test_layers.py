@@ -34,7 +34,7 @@ THIRD_PARTY = {
     "ros2": {"jinja2", "numpy", "rclpy", *ROS_MESSAGES},
     "__init__": {"lazy_loader"},
     "__main__": set(),
-    "wmr_proofs": {"casadi", "flint", "numpy", "z3"},
+    "wmr_proofs": {"casadi", "flint", "numpy", "scipy", "z3"},
 }
 """What each room may import from elsewhere; the command line (cli) may import anything."""
 JOINERS = {"simulation", "api", "cli", "export"}
