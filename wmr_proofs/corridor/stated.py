@@ -29,6 +29,8 @@ LEAST = 1e-3
 """Share of the largest size in a run that is added."""
 DUST = 1e-9
 """Size that is added to every component."""
+FAST = 1e-7
+"""Size that is added within a sample, which rates bring about from a box of `DUST` at its begin."""
 LAGS = 1.75
 """Samples that are distinguished by their age, over the run's memory; 1 more after a start."""
 
@@ -75,6 +77,7 @@ def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
     """The Certificate of a Certifier's closed box."""
     loop, scenario = certifier.loop, certifier.loop.setup.scenario
     peaks = peaks.times(ROOM, DUST)
+    peaks = replace(peaks, fast=peaks.fast + FAST)
     free = np.minimum(peaks.law[-loop.count :], (certifier.most - certifier.level) * (1 - 1e-9))
     inputs = certifier._reckoned(inputs, peaks)
     nz, n, steps = len(loop.names), len(loop.at), loop.steps
@@ -114,7 +117,8 @@ def of_run(passing: Passing, bounds: RunBounds, room: float = ROOMS[0]) -> Certi
     along, loop, motion = passing.along, passing.loop, passing.along.motion
     n, nz, outs = len(passing.pending), passing.nz, COMMAND + loop.memory + loop.acting
     fast, state, out = (
-        part * room + (LEAST * part.max(axis=0) + DUST) * (part > 0) for part in bounds.box
+        part * room + (LEAST * part.max(axis=0) + dust) * (part > 0)
+        for part, dust in zip(bounds.box, (FAST, DUST, DUST), strict=True)
     )
     free = (along.most - along.levels) * (1 - 1e-9)
     sent, heard, dead = out[:, :COMMAND], bounds.box[2][:, :COMMAND], passing.inputs.dead
