@@ -65,6 +65,12 @@ def test_entries_say_what_the_index_says():
     assert [e.id for e in ENTRIES.values() if e.certificate and e.id not in index()] == []
 
 
+def test_every_file_of_certificates_has_a_row():
+    files = {path.name.removesuffix(".json.xz") for path in FOLDER.glob("*.json.xz")}
+
+    assert files - index().keys() == set()
+
+
 def test_the_index_is_about_what_the_claims_say():
     others = [key for key, row in index().items() if row["claim"] != words_hash(CLAIMS[key])]
 
