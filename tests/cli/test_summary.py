@@ -48,7 +48,7 @@ def test_an_error_is_tracked_up_to_the_tolerance(run):
 
 
 def test_figures_name_the_robot_of_their_window(run):
-    """In the last quarter only the robot of 40 kg drives; the whole run has both."""
+    """The last quarter has only the 40 kg robot; the whole run also has the heavier one."""
     ise = figures_of(run)["ise"]
 
     assert ise["before"] > 9 * ise["after"]

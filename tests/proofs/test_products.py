@@ -10,7 +10,7 @@ POSITIVE = {"x": Fact({X: 1}, ">"), "y": Fact({Y: 1}, ">")}
 
 
 def added(facts, uses):
-    """Factors of products that add up to 0, without those that are 0; None if there are none."""
+    """Nonzero factors with which products add up to 0; None if no factors do."""
     found = {used: product_of(facts, used, {}) for used in uses}
     free = multiples(facts, found, 1)
     found = able_to_cancel(found, free)

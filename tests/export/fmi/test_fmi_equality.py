@@ -89,7 +89,7 @@ def test_model_exchange_with_cvode_agrees(exported, version):
 @both
 @pytest.mark.parametrize("step", [0.01, 0.02, 0.005])
 def test_reference_is_that_of_the_time_that_was_reached(exported, version, step):
-    """It is not that of the last sample's start, for any communication step."""
+    """With any communication step, the reference is not still that of the last sample."""
     path = str(exported("reference", version))
     times = {"stop_time": 1.0, "output_interval": step, "step_size": step}
     found = simulate_fmu(path, fmi_type="CoSimulation", **times)
