@@ -178,6 +178,13 @@ def test_two_lasers_at_opposite_corners_see_all():
     assert min(free[:2]) > 20
 
 
+def test_two_lasers_side_by_side_are_both_blind_behind():
+    core = core_of(WIDE, WIDE)
+
+    assert free_of(core, WIDE, WIDE)[1] <= 0
+    assert core.never == ("behind",)
+
+
 def test_an_own_part_is_in_the_way_unless_its_angles_are_ignored():
     """A pole is 0.15 m behind the laser, within the disc."""
     pole = only(0.16, math.pi, width=0.1)
