@@ -43,7 +43,7 @@ from .filter.channels import (
     within,
 )
 from .filter.filter import called_filter, filter_system
-from .filter.governor_step import ODOMETRY
+from .filter.heard import ODOMETRY
 from .setup import Setup
 
 FREE_NARROW = Signal(

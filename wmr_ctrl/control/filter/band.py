@@ -18,8 +18,9 @@ step is given must be the true one; 0 or less means that it is unknown.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import chain
 
 import casadi as ca
 import numpy as np
@@ -75,33 +76,59 @@ CONDITIONS = {
 }
 
 
+@dataclass(frozen=True)
+class AxisPorts:
+    """Ports of one axis: state of its `Forecast` and of its `Fading`, and parameters.
+
+    ``numbers``: those of its `ResponseTable`, then its initial bound and decay.  ``slopes``: the
+    divisors of its conditions.
+    """
+
+    forecast: tuple[Port, ...]
+    far: tuple[Port, ...]
+    numbers: tuple[Port, ...]
+    slopes: tuple[Port, ...]
+
+    @property
+    def table(self) -> ResponseTable:
+        """The step response's table."""
+        return ResponseTable(*_symbols(self.numbers[:-3]))
+
+    @property
+    def fading(self) -> list[ca.SX]:
+        """Initial bound, rate, and what remains after the shortest period."""
+        return _symbols(self.numbers[-3:])
+
+    @property
+    def inverse(self) -> list[ca.SX]:
+        """The divisors, in the order of CONDITIONS."""
+        return _symbols(self.slopes)
+
+
+def _axis_ports(scenario: Scenario, axis: int) -> AxisPorts:
+    """Ports of an axis; encloses the step responses of its family of loops."""
+    known, name, unit = enclosed(scenario, axis), NAMES[axis], UNITS[axis]
+    numbers = _table(axis, known, scenario.clock.control, scenario.filter.jitter)
+    forecast, slopes = _forecast(axis, len(known.low)), _slopes(axis, known)
+    return AxisPorts(forecast, _faded_ports(name, unit), numbers, slopes)
+
+
+def _symbols(ports: Sequence[Port]) -> list[ca.SX]:
+    return [item.sym for item in ports]
+
+
 class BandGovernor:
     """Graph of the band's step; its state is the forecast of each axis."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Take the ports, and enclose the family's step responses."""
+        """Create the ports."""
         self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
-        self.jitter = scenario.filter.jitter
         self.last, self.spread = port(LAST), port(SPREAD)
-        T, bands = scenario.clock.control, [enclosed(scenario, axis) for axis in AXES]
-        self.state = [_forecast(axis, len(bands[axis].low)) for axis in AXES]
-        self.far = [_faded_ports(NAMES[axis], UNITS[axis]) for axis in AXES]
-        known = [_table(axis, bands[axis], T, self.jitter) for axis in AXES]
-        slopes = [_slopes(axis, bands[axis]) for axis in AXES]
+        self.axes = [_axis_ports(scenario, axis) for axis in AXES]
         delta = port(DELTA, [item.push for item in peak_gains(scenario)])
-        ports = (item for own in (*known, *slopes) for item in own)
-        self.p = Parameters(scenario, (delta, *ports))
+        numbers = (*(own.numbers for own in self.axes), *(own.slopes for own in self.axes))
+        self.p = Parameters(scenario, (delta, *chain(*numbers)))
         gains, self.T = gains_of(self.p), self.p.take("clock.control")
-        symbols = [
-            (
-                (own[0].sym, own[1].sym, own[2].sym, own[3].sym, own[4].sym),
-                [item.sym for item in own[5:]],
-            )
-            for own in known
-        ]
-        self.tables = [ResponseTable(*own) for own, _ in symbols]
-        self.fading = [own for _, own in symbols]
-        self.inverse = [[item.sym for item in own] for own in slopes]
         self.channels = channels_of(scenario, self.p, (*gains, delta.sym))
         self.sound = sound(self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
@@ -119,16 +146,16 @@ class BandGovernor:
     @cached_property
     def came(self) -> ca.SX:
         """1 if one beat fits this sample and all since the last untimely one, within the jitter."""
-        most = 2 * self.jitter + NEAR * self.T
+        most = 2 * self.scenario.filter.jitter + NEAR * self.T
         return ca.logic_and(within(self.off, most), ca.sum1(self.apart) <= most)
 
     @cached_property
     def faded(self) -> list[Fading]:
         """Remainder of each axis' past at the sample."""
         time, rows = passed(self.elapsed.sym, self.T), []
-        for i, (reach, past, held) in enumerate(self.far):
-            _, rate, soonest = self.fading[i]
-            known = Fading(reach.sym, past.sym, held.sym)
+        for i, own in enumerate(self.axes):
+            _, rate, soonest = own.fading
+            known = Fading(*_symbols(own.far))
             rows.append(known.aged(self.came, self.last.sym[i], stays_of(rate, time), soonest))
         return rows
 
@@ -137,10 +164,11 @@ class BandGovernor:
         """Forecast of each axis at the sample."""
         share = ca.fmax(ca.if_else(self.came, 1, 0), 0)  # a factor, no choice: loops in C
         rows = []
-        for i, (over, under, tail) in enumerate(self.state):
+        for i, own in enumerate(self.axes):
+            over, under, tail = _symbols(own.forecast)
             past = self.faded[i].bounds(self.most[i])
-            known = Forecast(over.sym, under.sym, tail.sym, self.last.sym[i], *past)
-            rows.append(known.later(self.tables[i]).kept(share))
+            known = Forecast(over, under, tail, self.last.sym[i], *past)
+            rows.append(known.later(own.table).kept(share))
         return rows
 
     @cached_property
@@ -155,7 +183,7 @@ class BandGovernor:
         both = []
         for i in AXES:
             known = self.forecasts[i]
-            rise, fall = known.steps(self.most[i] * HELD, self.inverse[i][0])
+            rise, fall = known.steps(self.most[i] * HELD, self.axes[i].inverse[0])
             both.append((known.u - fall, known.u + rise))
         return both
 
@@ -166,7 +194,8 @@ class BandGovernor:
         for i, (least, most) in enumerate(self.ends):
             ahead = self.command[i] >= 0
             known = self.forecasts[i].mirrored(ca.if_else(ahead, 1, -1))
-            stopped = known.largest(self.most[i], self.tables[i], self.inverse[i][1:])
+            own = self.axes[i]
+            stopped = known.largest(self.most[i], own.table, own.inverse[1:])
             rows.append(ca.fmax(ca.fmin(stopped, ca.if_else(ahead, most, -least)), 0))
         return rows
 
@@ -201,20 +230,20 @@ class BandGovernor:
     @property
     def system(self) -> System:
         """The sampled System."""
-        pairs = zip(self.forecasts, self.tables, strict=True)
-        after = [was.changed(self.sent[i], table) for i, (was, table) in enumerate(pairs)]
+        pairs = zip(self.forecasts, self.axes, strict=True)
+        after = [was.changed(self.sent[i], own.table) for i, (was, own) in enumerate(pairs)]
         flags = limited(self.sent, self.command) + self.refused + ca.if_else(self.came, 0, LATE)
         flags = ca.if_else(self.sound, flags, UNSOUND)
         apart = ca.if_else(self.came, self.apart, 0)
         parts = [part for f in after for part in (f.over, f.under, f.tail)]
         for i, known in enumerate(self.faded):
             change = self.sent[i] - self.last.sym[i]
-            now = known.changed(change, self.fading[i][0])
+            now = known.changed(change, self.axes[i].fading[0])
             parts += [now.reach, now.past, now.held]
         return System(
             "filter", "command filter (band)", inputs=(self.asked, self.elapsed),
-            state=(*(item for ports in (*self.state, *self.far) for item in ports), self.last,
-                   self.spread),
+            state=(*chain(*(own.forecast for own in self.axes), *(own.far for own in self.axes)),
+                   self.last, self.spread),
             params=self.p.ports, update=ca.vertcat(*parts, self.sent, apart),
             outputs=(Output(SENT, self.sent), Output(FLAGS, flags)),
             period=self.scenario.clock.control,
@@ -238,13 +267,13 @@ def _forecast(axis: int, size: int) -> tuple[Port, ...]:
     )
 
 
-def _slopes(axis: int, known: Band) -> list[Port]:
+def _slopes(axis: int, known: Band) -> tuple[Port, ...]:
     """Divisors of the conditions, computed once, since divisions take most of a step's time."""
     slopes = zip(CONDITIONS.items(), rounded_slopes(response_table(known)), strict=True)
-    return [
+    return tuple(
         port(Signal(f"filter.{name}_{NAMES[axis]}", "1", what, len(own)), own)
         for (name, what), own in slopes
-    ]
+    )
 
 
 def _faded_ports(name: str, unit: str) -> tuple[Port, ...]:

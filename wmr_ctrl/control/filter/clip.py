@@ -72,45 +72,24 @@ class Clip:
     def __init__(self, scenario: Scenario) -> None:
         """Create the ports; a linear loop's peak gain is computed here and is a parameter."""
         self.scenario, self.asked, self.elapsed = scenario, port(ASKED), port(ELAPSED)
-        if scenario.filter.loop == FIRST_ORDER:
-            self.p = Parameters(scenario)
-            numbers = stated(self.p)
-        else:
-            peaks = peak_gains(scenario)
-            N = port(PEAK_GAIN, [item.gain for item in peaks])
-            delta = port(DELTA, [item.push for item in peaks])
-            numbers = N.sym, N.sym, delta.sym
-            if scenario.filter.slew is None:
-                self.p = Parameters(scenario, (N, delta))
-            else:
-                reach = port(REACH, slew_reach(scenario))
-                self.p = Parameters(scenario, (delta, reach))
-                least, most, _ = stated(self.p)
-                numbers = least, most, delta.sym + self.p.take("filter.slew") * reach.sym
+        self.p, numbers = _numbers(scenario)
         self.widest = self.channels = channels_of(scenario, self.p, numbers)
         self.told: tuple[Port, ...] = ()
         if scenario.filter.changing:
             self.told = (limits_port(scenario),)
             self.channels = _changed(two_sided(self.channels), self.told[0].sym)
         self.T = self.p.take("clock.control")
-        self.limits, self.behind = largest_commands(self.channels)
-        if scenario.filter.loop != FIRST_ORDER and len(self.channels[0].sides) > 1:
-            self._swing(scenario.filter.loop)
+        self.limits, self.behind = _largest(scenario, self.p, self.channels)
         self.command, self.refused = usable_command(self.asked.sym)
         self.last: tuple[Port, ...] = () if scenario.filter.slew is None else (port(LAST),)
         self.sound = reduce(ca.logic_and, self._sound_ramp(), sound(self.channels))
-        backwards = [-limit for limit in self.behind]
-        safe = scaled(self.command, self.channels, backwards, self.limits, scenario.filter.scale)
-        self.sent = ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
 
-    def _swing(self, loops: tuple[str, str]) -> None:
-        """Limit the commands of overshooting loops so that both directions' limits are kept."""
-        for i, (least, most) in enumerate(ends_of(self.p, "gain")):
-            if loops[i] != "first-order":
-                N = self.channels[i].bounds.K_max
-                own, other = (b.V - b.dbar for b in self.channels[i].sides)
-                self.limits[i] = swung(N, least, most, own, other)
-                self.behind[i] = swung(N, least, most, other, own)
+    @cached_property
+    def sent(self) -> ca.SX:
+        """Command (2,) that is sent."""
+        backwards, scale = [-limit for limit in self.behind], self.scenario.filter.scale
+        safe = scaled(self.command, self.channels, backwards, self.limits, scale)
+        return ca.if_else(self.sound, self._slowly(safe) if self.last else safe, 0)
 
     def _sound_ramp(self) -> list[ca.SX]:
         """Conditions under which the slew limit is usable within a period; 0 for NaN."""
@@ -147,6 +126,40 @@ class Clip:
             outputs=(Output(SENT, self.sent), Output(FLAGS, flagged)),
             period=self.scenario.clock.control,
         )  # fmt: skip
+
+
+def _numbers(scenario: Scenario) -> tuple[Parameters, tuple[ca.SX, ca.SX, ca.SX]]:
+    """Parameters of a clip, and its gain (least, largest of each axis) and push."""
+    if scenario.filter.loop == FIRST_ORDER:
+        p = Parameters(scenario)
+        return p, stated(p)
+    peaks = peak_gains(scenario)
+    N = port(PEAK_GAIN, [item.gain for item in peaks])
+    delta = port(DELTA, [item.push for item in peaks])
+    if scenario.filter.slew is None:
+        return Parameters(scenario, (N, delta)), (N.sym, N.sym, delta.sym)
+    reach = port(REACH, slew_reach(scenario))
+    p = Parameters(scenario, (delta, reach))
+    least, most, _ = stated(p)
+    return p, (least, most, delta.sym + p.take("filter.slew") * reach.sym)
+
+
+def _largest(
+    scenario: Scenario, p: Parameters, channels: list[Channel]
+) -> tuple[list[ca.SX], list[ca.SX]]:
+    """Largest commands that are always safe, forwards and backwards, of each channel.
+
+    Those of overshooting loops keep the limits of both directions.
+    """
+    (ahead, back), loops = largest_commands(channels), scenario.filter.loop
+    if loops != FIRST_ORDER and len(channels[0].sides) > 1:
+        for i, (least, most) in enumerate(ends_of(p, "gain")):
+            if loops[i] != "first-order":
+                N = channels[i].bounds.K_max
+                own, other = (b.V - b.dbar for b in channels[i].sides)
+                ahead[i] = swung(N, least, most, own, other)
+                back[i] = swung(N, least, most, other, own)
+    return ahead, back
 
 
 def swung(N: ca.SX, least: ca.SX, most: ca.SX, own: ca.SX, other: ca.SX) -> ca.SX:

@@ -37,7 +37,8 @@ from .channels import (
 )
 from .clip import Clip, slew_reach
 from .enclosure import Floats
-from .governor_step import ODOMETRY, Governor, check_jitter
+from .governor_step import Governor, check_jitter
+from .heard import ODOMETRY
 from .peak_gain import peak_gains, pi_loop, refuse_all
 from .ramp_stop import RampStopper
 from .stopping import StoppingGovernor

@@ -17,9 +17,9 @@ from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal, places
 from wmr_ctrl.world.model.system import Output, System, port
 from wmr_ctrl.world.scenario import Scenario
 
-from .channels import AXES, FLAG_NAMES, LIMITED, TOLD, usable_time, within
+from .channels import AXES, ELAPSED, FLAG_NAMES, LIMITED, TOLD, usable_time, within
 from .filter import filter_system
-from .governor_step import ELAPSED, ODOMETRY
+from .heard import ODOMETRY
 from .stopping import WAITED
 
 COMMAND_AGE = Signal("command_age", "s", "time since the command came; negative: there is none")

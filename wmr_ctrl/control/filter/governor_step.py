@@ -10,7 +10,7 @@ import casadi as ca
 from wmr_ctrl.control.guard.lateness import Times
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.core.fields.values import Pair
-from wmr_ctrl.core.signals import ASKED, LARGEST, ODOMETRY_AGE, Signal
+from wmr_ctrl.core.signals import ASKED, LARGEST, Signal
 from wmr_ctrl.world.model.system import Output, Parameters, Port, System, port
 from wmr_ctrl.world.scenario import Scenario
 from wmr_ctrl.world.scenario.command_filter import MOST_PERIODS
@@ -42,7 +42,6 @@ from .governor import (
 from .heard import Heard
 from .heard import Sides as Sides
 
-ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity from odometry", 2)
 IN_TIME = Signal("in_time", "1", "samples in time since the last that was not")
 
 
@@ -95,11 +94,8 @@ class Governor(Heard):
     def __init__(self, scenario: Scenario) -> None:
         """Create the ports; ScenarioError if the times span too many samples."""
         self.scenario, self.plans, self.p = scenario, schedules(scenario), Parameters(scenario)
-        self.asked, self.odometry = port(ASKED), port(ODOMETRY)
-        self.age, self.elapsed = port(ODOMETRY_AGE, -1.0), port(ELAPSED)
-        self.oldest = oldest = self.remembered
-        self.before = [port(sent_signal(number)) for number in range(1, oldest + 1)]
-        self.counted = (port(IN_TIME, oldest),) if oldest > 1 else ()
+        self.asked, self.elapsed = port(ASKED), port(ELAPSED)
+        self.counted = (port(IN_TIME, self.oldest),) if self.oldest > 1 else ()
         self.T, tau = self.p.take("clock.control"), ends_of(self.p, "tau")
         loops = list(zip(self.plans, tau, strict=True))
         kappa = [1 / ca.expm1(plan.longest * self.T / least) for plan, (least, _) in loops]
@@ -110,21 +106,18 @@ class Governor(Heard):
             [SpeedBound(plan, c.sides[place], own, self.T) for c, (plan, own) in pairs]
             for place in (0, -1)
         ]
-        starts = zip(*(channel.largest for channel in self.channels), strict=True)
-        self.known = [
-            port(_known(*side, len(start)), start)
-            for side, start in zip(SIDES, starts, strict=True)
-        ]
         self.command, self.refused = usable_command(self.asked.sym)
         apart = tau[: self.p.take("filter.tau").numel() // 2]
         times = [ca.logic_and(least > 0, most >= least) for least, most in apart]
         times += [self.T > 0, self.T <= LARGEST, *(most <= LARGEST for _, most in apart)]
         self.sound = reduce(ca.logic_and, (*times, sound(self.channels)))
 
-    @property
-    def remembered(self) -> int:
-        """Number of commands that the state holds."""
-        return max(plan.oldest for plan in self.plans)
+    @cached_property
+    def known(self) -> list[Port]:
+        """State: bounds of the speed and of its negative, of all channels."""
+        starts = zip(*(channel.largest for channel in self.channels), strict=True)
+        pairs = zip(SIDES, starts, strict=True)
+        return [port(_known(*side, len(start)), start) for side, start in pairs]
 
     @cached_property
     def now(self) -> Sides:
@@ -264,8 +257,3 @@ def stated(p: Parameters) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 def _known(name: str, meaning: str, size: int) -> Signal:
     return Signal(name, "m/s, rad/s", f"{meaning}, of each channel", size)
-
-
-def sent_signal(age: int) -> Signal:
-    """State: a command sent some samples ago."""
-    return Signal(f"v_sent_{age}", "m/s, rad/s", f"command sent {age} samples ago", 2)

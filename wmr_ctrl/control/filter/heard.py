@@ -9,7 +9,7 @@ from typing import TypeAlias, TypeVar
 import casadi as ca
 
 from wmr_ctrl.control.sides import is_number
-from wmr_ctrl.core.signals import LARGEST, Signal
+from wmr_ctrl.core.signals import LARGEST, ODOMETRY_AGE, Signal
 from wmr_ctrl.world.model.system import Number, Parameters, Port, port
 from wmr_ctrl.world.scenario import Scenario
 
@@ -19,6 +19,7 @@ from .governor import NEAR, Schedule, largest
 Sides: TypeAlias = list[list[ca.SX]]
 """A number of every channel, of its speed first, then of the speed's negative."""
 Made = TypeVar("Made")
+ODOMETRY = Signal("v_odometry", "m/s, rad/s", "velocity from odometry", 2)
 FREE_KNOWN = Signal("free_known", "m, m, rad, rad", "free distances that certainly remain", 4)
 RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 
@@ -26,18 +27,36 @@ RESTED = Signal("rested", "1", "commands of (0, 0) in a row, in time")
 class Heard:
     """Base class of filters with memory: recent odometry, punctual samples, punctual commands.
 
-    ``plans``: times of v and of omega; ``oldest``: number of commands that it remembers.
+    ``plans``: times of v and of omega; ``counted``: the state `in_time`, if
+    more than one command may act.
     """
 
     scenario: Scenario
     p: Parameters
     plans: tuple[Schedule, Schedule]
     T: ca.SX
-    oldest: int
-    odometry: Port
-    age: Port
     elapsed: Port
     counted: tuple[Port, ...]
+
+    @cached_property
+    def odometry(self) -> Port:
+        """Input: velocity from odometry."""
+        return port(ODOMETRY)
+
+    @cached_property
+    def age(self) -> Port:
+        """Input: age of the odometry."""
+        return port(ODOMETRY_AGE, -1.0)
+
+    @property
+    def oldest(self) -> int:
+        """Number of commands that the state holds."""
+        return max(plan.oldest for plan in self.plans)
+
+    @cached_property
+    def before(self) -> list[Port]:
+        """State: the commands sent, the last one first."""
+        return [port(_sent(age)) for age in range(1, self.oldest + 1)]
 
     @cached_property
     def seen(self) -> ca.SX:
@@ -68,22 +87,51 @@ class Heard:
 class Watching(Heard):
     """Base class of filters that receive free distances and bound the speed under each command.
 
-    Lists are by age of the command, the last one first: ``most_before`` bounds the speed while it
-    acts, ``held_before`` is 1 if the base stands by then.  ``rested``: number of consecutive
-    commands (0, 0).  ``rest``: time after which these make the base stand, None if nothing does.
+    Lists are by age of the command, the last one first.  ``rest``: time after which commands (0, 0)
+    make the base stand, None if nothing does.
     """
 
     channels: list[Channel]
     rest: ca.SX | None
 
-    def watch(self, ages: int) -> None:
-        """Create the ports for ``ages`` remembered commands."""
+    @property
+    def oldest(self) -> int:
+        """Number of commands in the state, including those that acted when a distance was
+        measured.
+        """
+        return remembered(self.plans, self.scenario)
+
+    @cached_property
+    def most_before(self) -> list[Port]:
+        """State: bounds of the speed while each command acts."""
         starts = [c.largest[place] for place in (0, -1) for c in self.channels]
-        numbers = range(1, ages + 1)
-        self.most_before = [port(_most(age), starts) for age in numbers]
-        self.held_before = [port(_held(age)) for age in numbers if self.rest is not None]
-        self.rested, self.free_known = port(RESTED), port(FREE_KNOWN, [-1.0] * 4)
-        self.free, self.free_age = port(FREE, [LARGEST] * 4), port(FREE_AGE, -1.0)
+        return [port(_most(age), starts) for age in range(1, self.oldest + 1)]
+
+    @cached_property
+    def held_before(self) -> list[Port]:
+        """State: 1 if the base stands by the time each command acts; empty without ``rest``."""
+        ages = range(1, self.oldest + 1) if self.rest is not None else ()
+        return [port(_held(age)) for age in ages]
+
+    @cached_property
+    def rested(self) -> Port:
+        """State: number of consecutive commands (0, 0)."""
+        return port(RESTED)
+
+    @cached_property
+    def free_known(self) -> Port:
+        """State: free distances that certainly remain."""
+        return port(FREE_KNOWN, [-1.0] * 4)
+
+    @cached_property
+    def free(self) -> Port:
+        """Input: free distances."""
+        return port(FREE, [LARGEST] * 4)
+
+    @cached_property
+    def free_age(self) -> Port:
+        """Input: age of the free distances."""
+        return port(FREE_AGE, -1.0)
 
     @property
     def believed(self) -> ca.SX:
@@ -199,6 +247,10 @@ def whole_steps(plan: Schedule, T: Number, time: Number, more: float = -NEAR) ->
     A brake ends a motion instantly, so rest needs more than the time after which it closes.
     """
     return ca.ceil((time + plan.spread * T) / ((1 - plan.jitter) * T) + more)
+
+
+def _sent(age: int) -> Signal:
+    return Signal(f"v_sent_{age}", "m/s, rad/s", f"command sent {age} samples ago", 2)
 
 
 def _most(age: int) -> Signal:

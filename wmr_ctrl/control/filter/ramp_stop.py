@@ -15,7 +15,6 @@ from functools import cached_property, reduce
 
 import casadi as ca
 
-from wmr_ctrl.core.signals import ODOMETRY_AGE
 from wmr_ctrl.world.model.system import Output, Port, System, port
 from wmr_ctrl.world.scenario import Scenario
 
@@ -38,8 +37,8 @@ from .channels import (
 )
 from .clip import Clip
 from .governor import drive, drive_back, largest
-from .governor_step import IN_TIME, ODOMETRY, schedules, sent_signal
-from .heard import Sides, Watching, each_side, remembered, shifted, whole_steps
+from .governor_step import IN_TIME, schedules
+from .heard import Sides, Watching, each_side, shifted, whole_steps
 from .stopping import TRACE
 
 
@@ -60,13 +59,9 @@ class RampStopper(Clip, Watching):
         super().__init__(scenario)
         settings, p = scenario.filter, self.p
         self.channels, self.plans = two_sided(self.widest), schedules(scenario)
-        self.oldest = remembered(self.plans, scenario)
-        self.odometry, self.age = port(ODOMETRY), port(ODOMETRY_AGE, -1.0)
         self.counted = (port(IN_TIME, self.oldest),)
         self.brakes = ca.SX(0) if settings.rest is None else p.take("filter.rest")
         self.rest = self.brakes
-        self.before = [port(sent_signal(age)) for age in range(1, self.oldest + 1)]
-        self.watch(self.oldest)
         self.decel, self.nearing = p.take("filter.decel"), p.take("filter.nearing")
         lags = [most for _, most in ends_of(p, "tau")] if settings.tau else [ca.SX(0)] * 2
         self.reaction = [

@@ -44,7 +44,7 @@ from .channels import (
 )
 from .governor import NEAR, FirstOrder, SpeedBound
 from .governor_step import Governor
-from .heard import Sides, Watching, each_side, remembered, whole_steps
+from .heard import Sides, Watching, each_side, whole_steps
 from .ways import Reached, Stop, ToldBound, told_command
 
 WAITED = Signal(
@@ -66,12 +66,11 @@ class StoppingGovernor(Watching, Governor):
     def __init__(self, scenario: Scenario) -> None:
         """Create the ports; ScenarioError if the times span too many samples."""
         super().__init__(scenario)
-        settings, p, last = scenario.filter, self.p, self.oldest
+        settings, p = scenario.filter, self.p
         self.distances = settings.free_error is not None
         self.rest = None if settings.rest is None else p.take("filter.rest")
         tau = ends_of(p, "tau")
         self.channels = two_sided(self.channels)
-        self.watch(last)
         self.limits_told = limits_port(scenario)
         self.waited = port(WAITED)
         before = [item.sym for item in self.before]
@@ -87,13 +86,6 @@ class StoppingGovernor(Watching, Governor):
             numbers += [p.take(f"filter.{name}") for name in ("free_error", "free_age", "nearing")]
         sizes = [ca.logic_and(item >= 0, item <= LARGEST) for item in numbers]
         self.sound = reduce(ca.logic_and, sizes, self.sound)
-
-    @property
-    def remembered(self) -> int:
-        """Number of commands in the state, including those that acted when a distance was
-        measured.
-        """
-        return remembered(self.plans, self.scenario)
 
     @property
     def _alike(self) -> bool:

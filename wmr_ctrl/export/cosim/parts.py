@@ -8,7 +8,7 @@ from functools import cache
 import casadi as ca
 
 from wmr_ctrl.control.filter.channels import BOUNDS_LEFT, FLAGS, SENT
-from wmr_ctrl.control.filter.governor_step import ODOMETRY
+from wmr_ctrl.control.filter.heard import ODOMETRY
 from wmr_ctrl.control.guard.guard import linear_first
 from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.core.signals import (
