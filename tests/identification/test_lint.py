@@ -103,6 +103,11 @@ def test_good_logs_are_not_accused(driven):
         lint.check_poses("log", log, samples)
 
 
+def test_columns_of_different_lengths_are_no_log():
+    with pytest.raises(ArgumentError, match="same length"):
+        of_columns("log", {"t": [0.0, 0.1], "v1": [1.0]})
+
+
 def test_poses_of_a_straight_drive_tell_no_ratio_of_turns():
     t = np.arange(800) * 0.015
     v, rest = 0.3 * (np.floor(t / 1.5) % 3 - 1), 0 * t

@@ -35,6 +35,8 @@ REFUSED = """
     kind = clip; slew = [1.0, 1.0] | filter.slew is for
     kind = clip; slew = [1.0, 1.0]; SECOND | filter.frequency is missing
     kind = clip; slew = [1.0, 1.0]; FAST; hold = 0.1 | covers neither a base
+    kind = clip; slew = [1.0, 1.0]; FAST; changing = true | Leave out filter.slew
+    kind = clip; channels = wheels; changing = true | Leave out filter.channels
     kind = clip; decel = [1.0, 2.0] | filter.decel is for
     kind = governor; tau = [0.1, 0.2]; free_error = 0.0; decel = [1.0, 2.0] | filter.decel is for
     kind = band | is for loops that overshoot
