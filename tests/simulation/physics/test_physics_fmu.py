@@ -32,10 +32,10 @@ def test_the_body_in_c_is_the_body_in_python_to_the_bit(tmp_path):
         slave.setReal(inputs, [right, left, thrust, moment])
         slave.doStep(step * 1e-3, 1e-3)
         body.step((right, left, 0.0, 0.0, thrust, moment))
-        seen = [*body.pose, *body.velocity, body.path, body.turned, *body.wheels, *body.slip,
-                body.tilt]  # fmt: skip
+        now = body.now
+        seen = [*now.pose, *now.velocity, now.path, now.turned, *now.wheels, *now.slip, now.tilt]
         assert slave.getReal(outputs) == seen, step
-    assert max(map(abs, body.slip)) > 0.1
+    assert max(map(abs, body.now.slip)) > 0.1
     slave.freeInstance()
 
 

@@ -24,7 +24,7 @@ def pulled(case, torque, steps):
     for k in range(steps):
         share = min(1.0, k / 50)
         body.step((share * torque, share * torque, 0.0, 0.0, 0.0, 0.0))
-        slip, tilt = max(slip, *map(abs, body.slip)), max(tilt, body.tilt)
+        slip, tilt = max(slip, *map(abs, body.now.slip)), max(tilt, body.now.tilt)
     return slip, tilt
 
 

@@ -35,9 +35,9 @@ def test_acceleration_along_a_line(torque):
     body = driven(RigidBody(case), torque, torque, steps)
     thrust = 2 * torque / robot.r - math.copysign(robot.mu * robot.m * robot.g, torque)
     expected = thrust / rolling_mass(case) * steps * case.clock.plant
-    assert body.velocity[0] == pytest.approx(expected, rel=2e-2)
-    assert body.velocity[1] == pytest.approx(0.0, abs=1e-9)
-    assert body.path == pytest.approx(body.pose[1], rel=1e-2)
+    assert body.now.velocity[0] == pytest.approx(expected, rel=2e-2)
+    assert body.now.velocity[1] == pytest.approx(0.0, abs=1e-9)
+    assert body.now.path == pytest.approx(body.now.pose[1], rel=1e-2)
 
 
 def test_acceleration_in_a_turn():
@@ -46,8 +46,10 @@ def test_acceleration_in_a_turn():
     body = driven(RigidBody(case), -2.0, 2.0, steps)
     inertia = robot.I + case.body.wheel_mass * robot.l**2
     moment = -4.0 * robot.l / robot.r
-    assert body.velocity[1] == pytest.approx(moment / inertia * steps * case.clock.plant, rel=1e-2)
-    assert body.pose[2] < 0
+    assert body.now.velocity[1] == pytest.approx(
+        moment / inertia * steps * case.clock.plant, rel=1e-2
+    )
+    assert body.now.pose[2] < 0
 
 
 def test_a_line_of_contact_scrubs_where_a_point_does_not():
@@ -55,7 +57,7 @@ def test_a_line_of_contact_scrubs_where_a_point_does_not():
         driven(RigidBody(scenario(f"robot.mu = 0.0; body.wheel = '{wheel}'")), 1.0, -1.0, 300)
         for wheel in ("sphere", "cylinder")
     )
-    assert line.pose[2] < 0.8 * point.pose[2]
+    assert line.now.pose[2] < 0.8 * point.now.pose[2]
 
 
 @pytest.mark.parametrize("tyre, torque", [(0.3, 15.0), (0.8, 35.0)])
@@ -69,8 +71,8 @@ def test_spinning_wheels_push_with_what_the_tyres_give(tyre, torque):
     lever = tyre * (case.body.height - robot.r) / case.body.caster
     thrust = tyre * (robot.m * robot.g - net / case.body.caster) / (1 + lever)
     body = driven(RigidBody(case), torque, torque, steps)
-    assert min(body.slip) > 1.0
-    gained = body.velocity[0] / (steps * case.clock.plant)
+    assert min(body.now.slip) > 1.0
+    gained = body.now.velocity[0] / (steps * case.clock.plant)
     assert gained == pytest.approx(thrust / robot.m, rel=0.1)
 
 
@@ -81,20 +83,20 @@ def test_a_free_robot_rolls_downhill(slope, uphill):
     body = driven(RigidBody(case), 0.0, 0.0, 500)
     share = case.robot.m / rolling_mass(case)
     expected = -case.robot.g * math.sin(slope) * share * 0.5
-    assert body.velocity[0] == pytest.approx(expected, rel=2e-2)
-    assert body.velocity[1] == pytest.approx(0.0, abs=1e-6)
+    assert body.now.velocity[0] == pytest.approx(expected, rel=2e-2)
+    assert body.now.velocity[1] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_push_acts_along_the_heading_and_about_the_vertical():
     case = scenario("robot.mu = 0.0; initial.pose = [0.0, 0.0, 2.0]")
     pushed = driven(RigidBody(case), 0.0, 0.0, 100, 50.0, 0.0)
     expected = 50.0 / rolling_mass(case) * 0.1
-    assert pushed.velocity[0] == pytest.approx(expected, rel=1e-2)
+    assert pushed.now.velocity[0] == pytest.approx(expected, rel=1e-2)
     driven(pushed, 0.0, 0.0, 100)
-    assert pushed.velocity[0] == pytest.approx(expected, rel=1e-2), "the push is over"
+    assert pushed.now.velocity[0] == pytest.approx(expected, rel=1e-2), "the push is over"
     turned = driven(RigidBody(case), 0.0, 0.0, 100, moment=5.0)
     inertia = case.robot.I + case.body.wheel_mass * case.robot.l**2
-    assert turned.velocity[1] == pytest.approx(5.0 / inertia * 0.1, rel=2e-2)
+    assert turned.now.velocity[1] == pytest.approx(5.0 / inertia * 0.1, rel=2e-2)
 
 
 def test_a_change_is_the_robot_of_the_new_numbers():

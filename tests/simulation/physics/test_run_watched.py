@@ -6,20 +6,22 @@ import pytest
 
 from tests.papers_robot import paper
 from wmr_ctrl.core.errors import ScenarioError
+from wmr_ctrl.results import RigidMonitor
 from wmr_ctrl.simulation.physics.rigid import description
-from wmr_ctrl.simulation.physics.run import Coupling
+from wmr_ctrl.simulation.physics.run import Coupling, watched
 from wmr_ctrl.world.scenario import override
 
 H = 0.001
 
 
-def watched(*rows):
+def coupled(*rows):
     """The coupling of a body whose slips, wheel speeds, tilt and tip margin are rows by step."""
-    coupling, left = object.__new__(Coupling), [*rows]
-    body = SimpleNamespace(plane_state=(0.0,) * 7)
+    coupling, left, limits = object.__new__(Coupling), [*rows], paper().body
+    now = SimpleNamespace(plane_state=(0.0,) * 7)
+    body = SimpleNamespace(now=now)
 
     def step(_acting):
-        body.slip, body.wheels, body.tilt, body.tip_margin = left.pop(0)
+        now.slip, now.wheels, now.tilt, body.tip_margin = left.pop(0)
 
     body.step = step
     step(())
@@ -27,18 +29,17 @@ def watched(*rows):
         sampled=lambda state: [0.0], acting=lambda held: (), ends=lambda state, reached: False
     )
     vars(coupling).update(
-        body=body, loop=loop, scenario=paper(), clock=SimpleNamespace(substeps=1, plant=H),
-        _changes={}, _row=1, _reached=0, _slip=0.0, _wheel=0.0, _tilt=0.0, _slipped=None,
-        _tipped=None, _margin=1.0,
+        body=body, loop=loop, limits=limits, clock=SimpleNamespace(substeps=1, plant=H),
+        _changes={}, _row=1, _reached=0, seen=watched(RigidMonitor(), now, limits, 0.0),
+        ended=False,
     )  # fmt: skip
-    coupling.ended = coupling._watched()
     while left and not coupling.ended:
         coupling.sample()
     return coupling
 
 
 def test_extremes_of_both_wheels_and_first_events_are_kept():
-    seen = watched(
+    seen = coupled(
         ((0.0, 0.0), (1.0, 1.0), 0.1, 0.9), ((0.05, -0.2), (2.0, -9.0), 0.4, 0.8),
         ((0.3, 0.0), (4.0, 1.0), 0.2, 0.2), ((0.0, 0.4), (1.0, 1.0), 0.0, 0.95),
     ).seen  # fmt: skip
@@ -50,7 +51,7 @@ def test_extremes_of_both_wheels_and_first_events_are_kept():
 
 def test_it_ends_where_the_robot_has_tipped():
     still = (0.0, 0.0), (0.0, 0.0)
-    coupling = watched(*((*still, tilt, 1.0) for tilt in (0.0, 0.5, 0.51, 0.0, 0.0)))
+    coupling = coupled(*((*still, tilt, 1.0) for tilt in (0.0, 0.5, 0.51, 0.0, 0.0)))
 
     assert coupling.ended
     assert (coupling.seen.tipped, coupling._reached) == (pytest.approx(2 * H), 2)

@@ -93,18 +93,44 @@ class Axis:
 
     def __init__(self, c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> None:
         self.c, self.v, self.u1, self.u2 = ca.fmin(c, LARGEST_TARGET), v, u1, u2
-        self.delta = u1 - u2
-        self.gap = u1 - ca.fabs(v)
-        self.ahead, self.behind = v > u2, v < -u2
-        self.outside = ca.logic_or(self.ahead, self.behind)
-        self.scaled_slack = _boundary_slack(self.c, u1, u2)
-        self.slack = self.scaled_slack / self.delta  # what R2 leaves of the kink's slope
-        self.near, self.far = self.c <= u2, self.scaled_slack < 0
-        self.excess = (ca.fabs(v) - u2) / self.delta
-        self.top = ca.if_else(self.outside, self.gap, self.delta)  # numerator of 1 - Y
-        self.smooth = ca.if_else(
-            self.ahead, self.far, ca.logic_and(self.near, ca.logic_not(self.behind))
-        )
+        self.delta, self.gap = u1 - u2, u1 - ca.fabs(v)
+        self.near, self.ahead, self.behind = self.c <= u2, v > u2, v < -u2
+
+    @cached_property
+    def scaled_slack(self) -> ca.SX:
+        """delta times `slack`."""
+        return _boundary_slack(self.c, self.u1, self.u2)
+
+    @cached_property
+    def slack(self) -> ca.SX:
+        """The part of the kink's slope that remains in R2."""
+        return self.scaled_slack / self.delta
+
+    @cached_property
+    def far(self) -> ca.SX:
+        """1 in R3."""
+        return self.scaled_slack < 0
+
+    @cached_property
+    def outside(self) -> ca.SX:
+        """1 where |v| > u2."""
+        return ca.logic_or(self.ahead, self.behind)
+
+    @cached_property
+    def excess(self) -> ca.SX:
+        """Share of delta by which |v| exceeds u2."""
+        return (ca.fabs(self.v) - self.u2) / self.delta
+
+    @cached_property
+    def top(self) -> ca.SX:
+        """Numerator of 1 - Y."""
+        return ca.if_else(self.outside, self.gap, self.delta)
+
+    @cached_property
+    def smooth(self) -> ca.SX:
+        """1 where A vanishes at the target."""
+        inside = ca.logic_and(self.near, ca.logic_not(self.behind))
+        return ca.if_else(self.ahead, self.far, inside)
 
     def by_region(self, near: ca.SX | float, middle: ca.SX, far: ca.SX | float) -> ca.SX:
         """The operand for the region of c: R1, R2 or R3."""
@@ -255,12 +281,10 @@ def smooth_barrier(c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> Barrier:
 class SmoothAxis(Axis):
     """One axis of the smooth barrier, mirrored to c >= 0: its differences from the paper's."""
 
-    def __init__(self, c: ca.SX, v: ca.SX, u1: ca.SX, u2: ca.SX) -> None:
-        super().__init__(c, v, u1, u2)
-        self.far = ca.logic_not(self.near)
-        self.smooth = ca.if_else(
-            self.ahead, self.far, ca.logic_and(self.near, ca.logic_not(self.behind))
-        )
+    @cached_property
+    def far(self) -> ca.SX:
+        """1 beyond u2."""
+        return ca.logic_not(self.near)
 
     def by_region(self, near: ca.SX | float, middle: ca.SX | float, far: ca.SX | float) -> ca.SX:
         """The operand for the region of c; there is no middle region."""

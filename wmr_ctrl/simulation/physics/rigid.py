@@ -138,15 +138,35 @@ def mujoco() -> ModuleType:
         ) from error
 
 
-class RigidBody:
-    """A scenario's robot on its tyres, at the scenario's start.
+@dataclass(frozen=True)
+class BodyMotion:
+    """Motion of a rigid body at one instant.
 
     ``pose`` x, y [m] of the axle's midpoint, theta [rad], continuous; ``velocity`` v1 [m/s] along
     the heading, omega [rad/s]; ``path`` [m], the mean distance that both wheels rolled, and
     ``turned`` [rad], theta computed from their rolling, for any motion of the body; ``wheels``:
     speed (right, left) [rad/s]; ``slip`` (2,): tread over ground [m/s], forward on a wheel that
-    spins; ``tilt`` [rad] between the robot's axis and the ground's normal. Two bodies with the same
-    inputs move alike, to the bit, on one machine.
+    spins; ``tilt`` [rad] between the robot's axis and the ground's normal.
+    """
+
+    pose: tuple[float, float, float]
+    velocity: tuple[float, float]
+    path: float
+    turned: float
+    wheels: tuple[float, float]
+    slip: tuple[float, float]
+    tilt: float
+
+    @property
+    def plane_state(self) -> tuple[float, ...]:
+        """State of the plane plant, then further outputs for wheel sensors: PATH and SKID."""
+        return *self.pose, *self.velocity, self.path, self.turned - self.pose[2]
+
+
+class RigidBody:
+    """A scenario's robot on its tyres, at the scenario's start; ``now``: its motion.
+
+    Two bodies with the same inputs move alike, to the bit, on one machine.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -165,6 +185,7 @@ class RigidBody:
         self._pushed = False
         self._settle()
         self._place()
+        self.now = self._read(scenario.initial.pose[2])
 
     def _id(self, kind: str, name: str) -> int:
         kinds = self._mujoco.mjtObj
@@ -192,25 +213,28 @@ class RigidBody:
         self.data.qvel[:] = (*along, 0.0, 0.0, omega, *rolling)
         self.data.qpos[7:9] = 0.0
         self._mujoco.mj_forward(self.model, self.data)
-        self._theta = self._start = theta
-        self._read()
 
-    def _read(self) -> None:
-        """Read state and slip from MuJoCo; theta is continued from its last value."""
+    def _read(self, before: float) -> BodyMotion:
+        """The motion in MuJoCo; theta is continued from its value ``before``."""
         x, y, _, w, qx, qy, qz, *rolled = self.data.qpos.tolist()
         vx, vy, _, *spin, right, left = self.data.qvel.tolist()
         ahead = 2 * (qx * qy - w * qz), 1 - 2 * (qx * qx + qz * qz)
         up = 2 * (qx * qz - w * qy), 2 * (qy * qz + w * qx), 1 - 2 * (qx * qx + qy * qy)
         facing = math.atan2(-ahead[0], ahead[1])
-        self._theta += math.remainder(facing - self._theta, 2 * math.pi)
-        v1 = math.cos(self._theta) * vy - math.sin(self._theta) * vx
+        theta = before + math.remainder(facing - before, 2 * math.pi)
+        v1 = math.cos(theta) * vy - math.sin(theta) * vx
         omega = up[0] * spin[0] + up[1] * spin[1] + up[2] * spin[2]
-        turning = self._robot.l * omega
-        self.pose, self.velocity = (x, y, self._theta), (v1, omega)
-        self.wheels, self.path = (right, left), self._robot.r * sum(rolled) / 2
-        self.turned = self._start + self._robot.r * (rolled[0] - rolled[1]) / (2 * self._robot.l)
-        self.slip = self._robot.r * right - v1 - turning, self._robot.r * left - v1 + turning
-        self.tilt = math.acos(max(-1.0, min(1.0, up[2])))
+        r, half_track = self._robot.r, self._robot.l
+        turning = half_track * omega
+        return BodyMotion(
+            pose=(x, y, theta),
+            velocity=(v1, omega),
+            path=r * sum(rolled) / 2,
+            turned=self.scenario.initial.pose[2] + r * (rolled[0] - rolled[1]) / (2 * half_track),
+            wheels=(right, left),
+            slip=(r * right - v1 - turning, r * left - v1 + turning),
+            tilt=math.acos(max(-1.0, min(1.0, up[2]))),
+        )
 
     def step(self, acting: Sequence[float]) -> None:
         """One plant step under wheel torques, disturbing torques (2 each), thrust and moment.
@@ -219,13 +243,14 @@ class RigidBody:
         chassis' centre of mass, along the heading.
         """
         right, left, noise_right, noise_left, thrust, moment = acting
+        theta = self.now.pose[2]
         self.data.ctrl[:] = (right + noise_right, left + noise_left)
         if thrust or moment or self._pushed:
-            s, c = math.sin(self._theta), math.cos(self._theta)
+            s, c = math.sin(theta), math.cos(theta)
             self._push[:] = (-s * thrust, c * thrust, 0.0, 0.0, 0.0, moment)
             self._pushed = bool(thrust or moment)
         self._mujoco.mj_step(self.model, self.data)
-        self._read()
+        self.now = self._read(theta)
 
     def change(self, change: Change) -> None:
         """Set new mass, inertia and friction; numbers that the change omits stay."""
@@ -236,11 +261,6 @@ class RigidBody:
         self.model.body_ipos[self._chassis] = (0.0, 0.0, own.lift)
         self.model.dof_frictionloss[6:8] = own.drag
         self._mujoco.mj_setConst(self.model, self._mujoco.MjData(self.model))
-
-    @property
-    def plane_state(self) -> tuple[float, ...]:
-        """State of the plane plant, then further outputs for wheel sensors: PATH and SKID."""
-        return *self.pose, *self.velocity, self.path, self.turned - self._theta
 
     @property
     def tip_margin(self) -> float:

@@ -18,9 +18,9 @@ from wmr_ctrl.simulation.many import not_summed
 from wmr_ctrl.simulation.memory import Task
 from wmr_ctrl.simulation.runnable import RunnableLoop, assemble_run
 from wmr_ctrl.world.scenario import Scenario
-from wmr_ctrl.world.scenario.sections import Initial
+from wmr_ctrl.world.scenario.sections import Body, Initial
 
-from .rigid import RigidBody, mujoco
+from .rigid import BodyMotion, RigidBody, mujoco
 from .workers import Progress, make_each
 
 T = TypeVar("T")
@@ -54,7 +54,7 @@ def run_to_end(
     logged = (signals, split_columns(signals, table), monitor)
     facts = {"kernel_hash": loop.compiled.digest, "mujoco": str(mujoco().__version__)}
     run = assemble_run(scenario, loop.law, seed, "native", logged, facts, loop.bounds, "mujoco")
-    return run, coupling.body.plane_state[:5]
+    return run, coupling.body.now.plane_state[:5]
 
 
 def run_rigid_each(
@@ -80,53 +80,50 @@ class Coupling:
     """
 
     def __init__(self, loop: RunnableLoop, seed: int) -> None:
-        self.scenario, self.clock = loop.scenario, loop.scenario.clock
+        self.limits, self.clock = loop.scenario.body, loop.scenario.clock
         self.body = RigidBody(loop.scenario)
         self.loop = Coupled(loop.compiled, seed, self.clock.plant)
         self._changes = dict(zip(loop.compiled.phase_start[1:], loop.scenario.changes, strict=True))
         self._row = len(elements(loop.compiled.layout.columns))
         self._reached = 0
-        self._slip = self._wheel = self._tilt = 0.0
-        self._slipped: float | None = None
-        self._tipped: float | None = None
-        self._margin = 1.0
-        self.ended = self._watched() or self.loop.ended
+        self.seen = watched(RigidMonitor(), self.body.now, self.limits, 0.0)
+        self.ended = self.seen.tipped is not None or self.loop.ended
 
     def sample(self) -> list[float]:
         """Make a row of the log, then the steps of its period, at most to the run's end."""
         body, margin = self.body, self.body.tip_margin
-        self._margin = min(self._margin, margin)
-        shown = self.loop.sampled(body.plane_state)
+        least = min(self.seen.least_tip_margin, margin)
+        self.seen = replace(self.seen, least_tip_margin=least)
+        now = body.now
+        shown = self.loop.sampled(now.plane_state)
         held = shown[: -self._row]
-        row = [*shown[-self._row :], *body.wheels, *body.slip, body.tilt, margin]
+        row = [*shown[-self._row :], *now.wheels, *now.slip, now.tilt, margin]
         for _ in range(self.clock.substeps):
             if self._reached in self._changes:
                 body.change(self._changes[self._reached])
             body.step(self.loop.acting(held))
             self._reached += 1
-            beyond = self.loop.ends(body.plane_state, self._reached)
-            if self._watched() or beyond:
+            beyond = self.loop.ends(body.now.plane_state, self._reached)
+            t = self._reached * self.clock.plant
+            self.seen = watched(self.seen, body.now, self.limits, t)
+            if self.seen.tipped is not None or beyond:
                 self.ended = True
                 break
         return row
 
-    def _watched(self) -> bool:
-        """Record extremes of the body; True if it has tipped over."""
-        body, limits = self.body, self.scenario.body
-        slip = max(abs(body.slip[0]), abs(body.slip[1]))
-        self._slip, self._tilt = max(self._slip, slip), max(self._tilt, body.tilt)
-        self._wheel = max(self._wheel, abs(body.wheels[0]), abs(body.wheels[1]))
-        if slip > limits.slip_max and self._slipped is None:
-            self._slipped = self._reached * self.clock.plant
-        if body.tilt > limits.tilt_max:
-            self._tipped = self._reached * self.clock.plant
-        return self._tipped is not None
 
-    @property
-    def seen(self) -> RigidMonitor:
-        """Monitor of the body so far."""
-        most = self._slip, self._wheel, self._tilt
-        return RigidMonitor(self._tipped, self._slipped, *most, self._margin)
+def watched(seen: RigidMonitor, now: BodyMotion, limits: Body, t: float) -> RigidMonitor:
+    """The monitor ``seen`` after a body's motion at t [s]."""
+    slip = max(abs(now.slip[0]), abs(now.slip[1]))
+    slips = seen.slipped is None and slip > limits.slip_max
+    return RigidMonitor(
+        tipped=t if now.tilt > limits.tilt_max else seen.tipped,
+        slipped=t if slips else seen.slipped,
+        max_slip=max(seen.max_slip, slip),
+        max_wheel_speed=max(seen.max_wheel_speed, abs(now.wheels[0]), abs(now.wheels[1])),
+        max_tilt=max(seen.max_tilt, now.tilt),
+        least_tip_margin=seen.least_tip_margin,
+    )
 
 
 # -- figures of many runs ------------------------------------------------------------------------

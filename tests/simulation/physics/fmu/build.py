@@ -83,7 +83,7 @@ def start(scenario):
     kind = mujoco.mjtState.mjSTATE_INTEGRATION
     state = np.empty(mujoco.mj_stateSize(body.model, kind))
     mujoco.mj_getState(body.model, body.data, state, kind)
-    head = (robot.r, robot.l, scenario.initial.pose[2], body.pose[2])
+    head = (robot.r, robot.l, scenario.initial.pose[2], body.now.pose[2])
     return (
         "\n".join([*map(float.hex, head), str(len(state)), *map(float.hex, state.tolist())]) + "\n"
     )
