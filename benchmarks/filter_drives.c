@@ -1,4 +1,4 @@
-/* Drives of a base behind the filter's package, which is told limits and free ways, against an adversary.
+/* Drives of a base behind the filter's package, which is told limits and free distances, against an adversary.
 
    The base has a model of its own: tau v' = K u + d - v on both axes, integrated by exact exponentials between all
    instants at which something changes.  One with a ``decel`` follows K u + d at any rate, but slows down by at least
@@ -401,7 +401,7 @@ static void tell_limits(drive *s, int k, wmr_filter_inputs *u)
         }
 }
 
-/* Odometry and free ways of this step, as old as they may be, and off by at most their errors. */
+/* Odometry and free distances of this step, as old as they may be, and off by at most their errors. */
 static void tell_measured(drive *s, int k, wmr_filter_inputs *u)
 {
     uint64_t *r = &s->seed;

@@ -8,9 +8,9 @@ does not keep the curvature counts as a break.  Then each hypothesis is broken b
 least that can be: one loss, a lag), and the runs that leave the limit are counted: a statement
 whose hypotheses may be broken unnoticed would say nothing.
 
-Bases that are told limits and free ways while they drive have tables of their own: drives within
-all bounds and beyond one of them, of the bases of a governor and of a clip, drives behind formulas
-that are wrong, and beside other rules.
+Bases that are told limits and free distances while they drive have tables of their own: drives
+within all bounds and beyond one of them, of the bases of a governor and of a clip, drives behind
+formulas that are wrong, and beside other rules.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Bases behind a filter that is told limits and free ways: they stop in time, and can leave.
+"""Bases behind a filter that is told limits and free distances: they stop in time, and can leave.
 
 A governor's bases are of first order; those of a clip slow down by at least ``decel`` (`RAMPS`).
 """

@@ -239,7 +239,7 @@ static void limits_now(const wmr_filter_core *core, const wmr_moment *now, doubl
 #endif
 
 #ifdef WMR_AT_FREE
-/* Age of the oldest message on free ways; negative unless there is one of each. */
+/* Age of the oldest message on free distances; negative unless there is one of each. */
 static double free_age(const wmr_filter_core *core, int64_t answered, int64_t stamp, const wmr_moment *now)
 {
     double oldest = 0.0;
@@ -255,8 +255,8 @@ static double free_age(const wmr_filter_core *core, int64_t answered, int64_t st
     return oldest;
 }
 
-/* Free ways with a window of headings that is wider where a command turns to, or the smallest one; any heading is free
-   where nothing is nearer than a stop takes. */
+/* Free distances with a window of headings that is wider where a command turns to, or the smallest one; any heading is
+   free where nothing is nearer than a stop takes. */
 static void look(const wmr_filter_core *core, int smallest, double omega, double *free)
 {
 #if WMR_SCANS

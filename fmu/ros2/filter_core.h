@@ -14,8 +14,8 @@ enum { WMR_V_MAX, WMR_V_MIN, WMR_ENABLE, WMR_SPEED, WMR_LIMIT_TOPICS };
 /* ``stop`` is what the topic ~/stop says, ``scale`` the share of each command that is passed on, ``sent`` and ``flags``
    what was sent last, ``before`` when [steady], ``answered`` whether that was a command's answer, ``stamp`` that of the
    command that was answered last.  ``limits`` are the newest messages on limits, by topic, and ``limited`` when they came
-   [steady].  ``frees`` are the messages that tell free ways: scans, or ``told`` alone; ``free`` is what the gate was told
-   last: ahead, behind, left, right. */
+   [steady].  ``frees`` are the messages that tell free distances: scans, or ``told`` alone; ``free`` is what the gate was
+   told last: ahead, behind, left, right. */
 typedef struct {
     wmr_intake commands, odometry, frees[WMR_LASERS];
     wmr_clocks clocks;
@@ -51,7 +51,7 @@ int64_t wmr_filter_core_odometry(wmr_filter_core *core, const double *velocity, 
 /* Takes a message of a topic of limits: two numbers, which may be none.  It stays in force over a start. */
 void wmr_filter_core_limit(wmr_filter_core *core, int64_t topic, const double *pair, const wmr_moment *now);
 
-/* Takes free ways ahead, behind [m], left and right [rad]; those that are no numbers count as not told. */
+/* Takes free distances ahead, behind [m], left and right [rad]; those that are no numbers count as not told. */
 int64_t wmr_filter_core_free(wmr_filter_core *core, const double *ways, int64_t count, const wmr_moment *now);
 
 /* Takes the scan of a laser. */

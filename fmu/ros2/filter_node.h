@@ -21,7 +21,8 @@
 
 #define NAME "wmr_filter"
 #define ROOM 512
-/* Values of the diagnostics: flags, v, omega, other parts, free ways; of each message taken and refused; of each laser. */
+/* Values of the diagnostics: flags, v, omega, other parts, free distances; of each message taken and refused; of each
+   laser. */
 #define WMR_DETAILS (5 + 2 * WMR_REASONS + WMR_HEARD * (2 + WMR_REASONS))
 #ifdef WMR_AT_FREE
 #define WMR_HEARD WMR_SOURCES
@@ -77,7 +78,7 @@ typedef struct {
 #endif
     rosgraph_msgs__msg__Clock clock;
     diagnostic_msgs__msg__DiagnosticArray told;
-    const char *free_topics[WMR_HEARD + 1]; /* topics that tell free ways */
+    const char *free_topics[WMR_HEARD + 1]; /* topics that tell free distances */
     int64_t simulated_now, grave, passing, refused_at, never;
     int64_t more_parts, with_parts; /* whether, and how many, commands had parts that the base cannot follow */
     char useless[ROOM], doubtful[ROOM]; /* what was last found in the graph; empty where all is well */

@@ -1,5 +1,5 @@
-/* What lasers see: points in the base's frame, and the free ways of a disc among them.  No heap, no globals; angles in
-   rad, lengths in m.  gate_numbers.h is generated: poses of the lasers, radius, angles that are ignored. */
+/* What lasers see: points in the base's frame, and the free distances of a disc among them.  No heap, no globals; angles
+   in rad, lengths in m.  gate_numbers.h is generated: poses of the lasers, radius, angles that are ignored. */
 #ifndef WMR_SCAN_CORE_H
 #define WMR_SCAN_CORE_H
 

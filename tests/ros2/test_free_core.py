@@ -40,7 +40,7 @@ def silent():
     return World(core_of("limits", limit_timeout=0.5))
 
 
-# -- free ways ---------------------------------------------------------------------------------
+# -- free distances -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("ahead", [0.0, -1.0, -math.inf])

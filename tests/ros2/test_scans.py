@@ -88,7 +88,7 @@ def nearest_way(points, window, sense):
 
 
 @pytest.mark.parametrize("laser", [LDS_01, RPLIDAR], ids=["LDS-01", "RPLIDAR"])
-def test_free_ways_have_the_bits_of_the_graph(laser):
+def test_free_distances_have_the_bits_of_the_graph(laser):
     placed = replace(laser, pose=(0.05, -0.02, 0.4))
     room = walls((1.0, 0.2, 1.3), (-1.0, 0.0, 0.9), (0.1, 1.0, 0.7), (0.0, -1.0, 0.3))
     free = free_of(core_of(placed), placed, seen=room)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from wmr_ctrl.core.signals import LARGEST
-from wmr_ctrl.world.sight import free_ways, seen_from, way_to_point, way_to_wall
+from wmr_ctrl.world.sight import free_distances, seen_from, way_to_point, way_to_wall
 
 PLACES, HEADINGS = np.linspace(0, 1, 1501)[:, None], 301
 
@@ -52,6 +52,6 @@ def test_a_pose_sees_what_is_ahead_and_to_its_left():
 def test_ways_are_those_to_the_nearest_shape():
     window, pose = (ca.SX(0.1), ca.SX(0.1)), ca.SX([0.0, 0.0, 0.0])  # along +Y
     wall, column = ((-1.0, 4.0), (1.0, 4.0)), (0.0, -2.0, 0.5)
-    ahead, behind = free_ways([wall, column], pose, window, 0.25)
+    ahead, behind = free_distances([wall, column], pose, window, 0.25)
     assert (float(ahead), float(behind)) == pytest.approx((3.75, 1.25))
-    assert float(free_ways([], pose, window, 0.25)[0]) == LARGEST
+    assert float(free_distances([], pose, window, 0.25)[0]) == LARGEST

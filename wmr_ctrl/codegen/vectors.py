@@ -19,7 +19,7 @@ SAMPLES = 6
 """Samples of a run; the memory begins anew with each run and is carried from sample to sample."""
 
 FAR = 100.0
-"""Free ways [m, rad] that limit no command."""
+"""Free distances [m, rad] that limit no command."""
 TOLERANCES = {False: 1e-12, True: 2e-4}
 """By whether it is single precision: largest error of a torque, relative to 1 N m + its size."""
 

@@ -46,7 +46,7 @@ from wmr_ctrl.world.model.system import Parameters, Port, System, port, stack, v
 from wmr_ctrl.world.phases import demanded
 from wmr_ctrl.world.references.kind import reference
 from wmr_ctrl.world.scenario import unknown_keys
-from wmr_ctrl.world.sight import WIDEST, free_ways
+from wmr_ctrl.world.sight import WIDEST, free_distances
 from wmr_ctrl.world.speed_loop import EXERTED
 from wmr_ctrl.world.standstill import BRAKED
 
@@ -332,12 +332,12 @@ class LoopGraphs(Graphs):
         radius = self.parameters.take("body.radius") if shapes else 0.0
         turns = ca.fabs(self.sample.known[REFERENCE[4].name])
         look = ca.fmin(LOOK + LOOK_AHEAD * turns, WIDEST)
-        disc, *_ = free_ways(shapes, pose, (ca.SX(ca.pi), ca.SX(ca.pi)), radius)
+        disc, *_ = free_distances(shapes, pose, (ca.SX(ca.pi), ca.SX(ca.pi)), radius)
         needs = [stopping(scenario, abs(speed)).distance for speed in scenario.limits.sides[0]]
         window = ca.if_else(disc >= max(needs), LARGEST, look)
         least = ca.SX(smallest_window(scenario)[1])
         for name, headings in ((FREE.name, window), (FREE_NARROW.name, least)):
-            ways = free_ways(shapes, pose, (headings, headings), radius)
+            ways = free_distances(shapes, pose, (headings, headings), radius)
             told[name] = ca.vertcat(*ways, headings, headings)
         return told
 

@@ -49,7 +49,7 @@ from .setup import Setup
 FREE_NARROW = Signal(
     "free_narrow", "m, m, rad, rad", "`free` in the smallest window of headings", 4
 )
-"""Free ways for a command straight on, which is tried where `free` refuses one."""
+"""Free distances for a command straight on, which is tried where `free` refuses one."""
 NEAR = 1e-6
 """Share by which a velocity may differ from what was asked for, and yet be the same."""
 

@@ -70,7 +70,7 @@ def seen_from(pose: ca.SX, place: Pair) -> Point:
     return c * y - s * x, -(c * x + s * y)
 
 
-def free_ways(
+def free_distances(
     shapes: Sequence[Shape], pose: ca.SX, window: tuple[ca.SX, ca.SX], radius: ca.SX | float
 ) -> tuple[ca.SX, ca.SX]:
     """Distances [m] that a disc at ``pose`` (3,) can move ahead and back before it touches a

@@ -76,7 +76,7 @@ def test_commands_are_in_time_once_all_that_may_act_are(governor):
 
 
 @pytest.mark.parametrize("age, fresh", [(-1, 0), (0, 1), (0.1, 1), (0.11, 0), (np.nan, 0)])
-def test_free_ways_count_while_they_are_young_and_numbers(clip, age, fresh):
+def test_free_distances_count_while_they_are_young_and_numbers(clip, age, fresh):
     assert isinstance(clip, Watching)
     assert value(clip, clip.is_fresh, free_age=age) == fresh
     assert value(clip, clip.hears(1), free_age=age, free=[np.nan, np.inf, 1, 1]) == fresh

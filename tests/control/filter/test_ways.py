@@ -45,7 +45,7 @@ def test_the_farthest_way_is_that_of_one_end():
 
 @pytest.mark.parametrize("instant", [0.1, 0.15])
 @pytest.mark.parametrize("w, at", [(0.3, 0.1), (0.05, 0.0), (0.8, 0.2)])
-def test_the_largest_steady_speed_stops_the_worst_base_within_the_free_way(w, at, instant):
+def test_the_largest_steady_speed_stops_the_worst_base_within_the_free_distance(w, at, instant):
     """The worst base stops exactly at the end of the free distance.
 
     Obstacles approach until it stands.

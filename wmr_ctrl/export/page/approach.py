@@ -15,7 +15,7 @@ from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.law import Law
 from wmr_ctrl.core.signals import ASKED
 from wmr_ctrl.world.model.system import Output, System
-from wmr_ctrl.world.sight import free_ways
+from wmr_ctrl.world.sight import free_distances
 
 HORIZON = 1.2
 """Time [s] that stays before a collision, as nav2 ships it."""
@@ -33,7 +33,7 @@ def approaching(law: Law) -> Law:
         own = law.command(context)
         asked = own.outputs[0].expr
         straight = ca.SX(0), ca.SX(0)
-        ahead, behind = free_ways(context.scenario.obstacles, context.pose, straight, radius)
+        ahead, behind = free_distances(context.scenario.obstacles, context.pose, straight, radius)
         way = ca.fmax(0, ca.if_else(asked[0] < 0, behind, ahead))
         share = ca.fmin(1, way / (HORIZON * ca.fmax(ca.fabs(asked[0]), SLOWEST)))
         return replace(own, outputs=(Output(ASKED, share * asked),))
