@@ -25,7 +25,7 @@ from .methods.obligations import Obligation
 from .methods.portfolio import Portfolio
 from .methods.printed import printed
 from .methods.smt import Problem, posed
-from .methods.spec import Z3, Ball, Both, Method, Ring, described
+from .methods.spec import Z3, Ball, Method, Ring, described
 from .regions import FREE, NONNEGATIVE, NONZERO, POSITIVE, Case
 from .statement import Statement
 
@@ -134,9 +134,6 @@ def derived_powers(graph: ProvedGraph) -> frozenset[int]:
 
 def _within(method: Method, inputs: Mapping[str, Any], context: Any) -> list[Any]:
     """Hypotheses that a method contains as regions or boxes, about these inputs."""
-    if isinstance(method, Both):  # each of the two shows the claim by itself
-        one = method.second if isinstance(method.first, Ring) else method.first
-        return _within(one, inputs, context)
     if isinstance(method, Ball):
         sides = ((inputs[name], pair) for name, pair in method.box.items() if name in inputs)
         return [

@@ -16,7 +16,7 @@ from .cancelled import cancelled_obligations
 from .check import digest, unpacked
 from .claim import CLAIMED, Claim
 from .methods import spec
-from .methods.obligations import Obligation, of_entry, uses_z3
+from .methods.obligations import Obligation, of_entry
 
 FOLDER = Path(__file__).with_name("certificates")
 INDEX = "index.json"
@@ -25,7 +25,7 @@ Row = Mapping[str, Any]
 
 def obligations_of(claim: Claim, entry: Entry) -> Iterator[Obligation]:
     """All obligations that z3 was asked for an entry's verdict; empty if z3 was not asked."""
-    if claim.statement is None or not uses_z3(claim.method):
+    if claim.statement is None or not isinstance(claim.method, spec.Z3):
         return
     yield from of_entry(claim.statement(CLAIMED), entry)
     if entry.verdict != REFUTED and entry.cancelled != 0:

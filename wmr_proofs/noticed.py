@@ -15,7 +15,7 @@ from wmr_ctrl.results.ledger import OPEN, PROVED, REFUTED
 from .alterations import Change, built
 from .claim import CLAIMED, Claim
 from .claims import all_claims
-from .methods.spec import Z3, Ball, Both, Method, Ring
+from .methods.spec import Z3, Ball, Method, Ring
 from .statement import Statement
 
 CHANGES: Mapping[str, Change] = {
@@ -85,9 +85,6 @@ def verdict_of(method: Method, statement: Statement) -> str:
 
 def short_budget(method: Method, seconds: int = 2) -> Method:
     """The method within a short budget: one case that fails is enough."""
-    if isinstance(method, Both):
-        first, second = (short_budget(item, seconds) for item in (method.first, method.second))
-        return replace(method, first=first, second=second)
     if isinstance(method, Ball):
         return replace(method, budget=min(method.budget, 200 * seconds))
     if isinstance(method, Z3):

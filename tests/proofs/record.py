@@ -23,7 +23,7 @@ from wmr_proofs.claim import CLAIMED
 from wmr_proofs.claims import all_claims
 from wmr_proofs.comparison import stale
 from wmr_proofs.entry import graph_hash
-from wmr_proofs.methods.obligations import uses_z3
+from wmr_proofs.methods.spec import Z3
 from wmr_proofs.noticed import tried
 from wmr_proofs.runner import prove, selected
 
@@ -89,7 +89,12 @@ def confirmed(entry):
     No solver runs if all obligations have certificates.
     """
     claim = _claim_of(entry)
-    if entry.certificate or entry.confirmed_by or not claim.statement or not uses_z3(claim.method):
+    if (
+        entry.certificate
+        or entry.confirmed_by
+        or not claim.statement
+        or not isinstance(claim.method, Z3)
+    ):
         return entry
     agree = confirmed_by(claim.statement(CLAIMED), entry.satisfied_at)
     sys.stderr.write(f"{entry.id}: confirmed by {', '.join(agree) or 'no other'}\n")

@@ -6,7 +6,7 @@ import casadi as ca
 import pytest
 
 from wmr_ctrl.results.ledger import OPEN, load
-from wmr_proofs.methods.spec import Z3, Ball, Both, Refute, Ring, Table
+from wmr_proofs.methods.spec import Z3, Ball, Refute, Ring, Table
 from wmr_proofs.regions import POSITIVE, Case, at
 from wmr_proofs.statement import Statement, above, at_least, equal, symbols
 
@@ -60,9 +60,6 @@ UNIT = {"x": (Fraction(0), Fraction(1))}
         (Refute((at(x=0, y=1),)), WRONG_SQUARE, "OPEN"),
         (Table(lambda: (at(x=1, y=1), at(x=2, y=-3))), SQUARE, "PROVED"),
         (Table(lambda: (at(x=0, y=1), at(x=2, y=-3))), WRONG_SQUARE, "REFUTED"),
-        (Both(Ring(), Z3()), SQUARE, "PROVED"),
-        (Both(Ring(), Z3()), WRONG_SQUARE, "REFUTED"),
-        (Both(Ring(), Z3()), ANGLE, "OPEN"),
     ],
 )
 def test_verdicts(method, statement, verdict):

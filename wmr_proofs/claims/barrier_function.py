@@ -7,7 +7,7 @@ from casadi import gradient, hessian, if_else, substitute, vertcat
 
 from wmr_proofs import paper_barrier as barrier
 from wmr_proofs.claim import CORRECTED, OURS, PRINTED, Claims, Mutation
-from wmr_proofs.methods.spec import Z3, Both, Refute, Ring
+from wmr_proofs.methods.spec import Z3, Refute, Ring
 from wmr_proofs.paper_functions import total_barrier
 from wmr_proofs.regions import all_cases, at, open_cases, paired_cases, target_cases
 from wmr_proofs.statement import Statement, above, between, equal, positive, symbols
@@ -67,7 +67,7 @@ def minimum(mutation: Mutation) -> Statement:
     return a.states(a.cost(v) - a.cost(a.x) >= mutation(mutation * 0.5 * a.w**2, 0.6 * a.w**2))
 
 
-@claim("eq17-18.slope", (10, 18), form=OURS, by=Both(Ring(all_cases()), Z3()))
+@claim("eq17-18.slope", (10, 18), form=OURS, by=Z3())
 def slope_sign(mutation: Mutation) -> Statement:
     """(A - (v - v_c1)) (v - v_c1) >= 0: the cost falls towards v_c1 from either side, at least as
     fast as the distance.
@@ -78,7 +78,7 @@ def slope_sign(mutation: Mutation) -> Statement:
     return a.states((a.A - mutation(1, 1.25) * a.w) * a.w >= 0, given=a.inside)
 
 
-@claim("eq18.inside", (18,), form=OURS, by=Both(Ring(target_cases()), Z3()))
+@claim("eq18.inside", (18,), form=OURS, by=Z3())
 def inside(mutation: Mutation) -> Statement:
     """|v_c1| < v_u1 for every v_c0.
 

@@ -4,8 +4,6 @@ base.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import product
-from typing import Any
 
 from casadi import SX, cos, exp, expm1, floor, fmin, if_else, is_equal, sin, vertcat, vertsplit
 
@@ -36,8 +34,8 @@ from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_ctrl.world.model.system import Parameters
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.claim import Claims, Mutation, rows
-from wmr_proofs.methods.spec import Z3, Both, Ring
-from wmr_proofs.regions import FREE, NONNEGATIVE, POSITIVE, Case, Cases, Values, at
+from wmr_proofs.methods.spec import Z3
+from wmr_proofs.regions import at
 from wmr_proofs.statement import (
     UNIT,
     Cuts,
@@ -123,54 +121,6 @@ class EffectGraph(Named):
 MISREAD = "|c - 1| u1 + |d| l' u2", "|c l'/l - 1| u2 + |d| u1/l"
 MISMADE = "tau sum |1/(1 + radius_i) - 1|/r", "l tau sum |(1 + track)/(1 + radius_i) - 1|/r"
 
-ORDERS, PLACES = "<=>", ("least", "inside", "largest")
-
-
-def wheel_cases(axis: int, misread: bool) -> Cases:
-    """Cases of a bound on other wheels: signs of absolute values, places of two clamped numbers.
-
-    Misread speeds: c = mean 1/(1 + radius_i) for v1, or c (1 + track) for omega, below, at or above
-    1, and 1/(1 + radius_i) = c (1 +- e).  Torques: each 1 + radius_i below, at or above 1 for the
-    thrust, 1 + track for the moment.
-    """
-    ways = product(product(ORDERS, repeat=2), product(PLACES, repeat=2))
-    return tuple(_wheel_case(axis, misread, *way) for way in ways)
-
-
-def _wheel_case(axis: int, misread: bool, orders: Any, places: Any) -> Case:
-    free = ("robot.r", "robot.l", "encoder.counts", "clock.control", "n1", "n2", "x1", "x2", "t")
-    numbers = dict.fromkeys(free, POSITIVE)
-    if misread:
-        sizes = "limits.v_u1[1]", "limits.v_u1[2]"
-        numbers |= dict.fromkeys(sizes, POSITIVE)
-    else:
-        sizes = "size", "size"
-        numbers |= {"size": NONNEGATIVE, "motor.step": FREE}
-
-    def values(n: Values) -> Values:
-        ratio = [{"<": 1 / (1 + n[k]), "=": 1, ">": 1 + n[k]}[o]
-                 for k, o in zip(("n1", "n2"), orders, strict=True)]  # fmt: skip
-        share = [{"least": -1, "inside": (1 - n[k]) / (1 + n[k]), "largest": 1}[place]
-                 for k, place in zip(("x1", "x2"), places, strict=True)]  # fmt: skip
-        limited = [part * n[size] for part, size in zip(share, sizes, strict=True)]
-        if misread:
-            mean = n["t"] if axis else ratio[0]
-            track = ratio[0] / mean if axis else n["t"]
-            off = {"<": -n["n2"] / (1 + n["n2"]), "=": 0, ">": n["n2"] / (1 + n["n2"])}[orders[1]]
-            radii = [1 / (mean * (1 + off)), 1 / (mean * (1 - off))]
-            told = dict(zip(("v", "omega"), limited, strict=True))
-        else:
-            track = n["t"]
-            radii = [track * part if axis else part for part in ratio]
-            told = dict(zip(("tau_right", "tau_left"), limited, strict=True))
-            told["actuator.tau_max"] = n["size"] - n["motor.step"] / 2
-        wheels = {"wheels.radius[1]": radii[0] - 1, "wheels.radius[2]": radii[1] - 1}
-        kept = {name: n[name] for name in numbers if "." in name}
-        return kept | told | wheels | {"wheels.track": track - 1}
-
-    return Case(f"{' '.join(orders)}; {', '.join(places)}", numbers, values)
-
-
 wheels_claim = Claims()
 
 
@@ -214,7 +164,6 @@ def _shares(g: EffectGraph) -> Relations:
 
 @wheels_claim(
     "world.wheels.misread-{name}",
-    by=lambda axis: Both(Z3(), Ring(wheel_cases(axis, True))),
     over=rows(axis=(0, 1), name=("v1", "omega"), off=MISREAD),
 )
 def misread_speed(mutation: Mutation, axis: int) -> Statement:
@@ -240,7 +189,6 @@ def misread_speed(mutation: Mutation, axis: int) -> Statement:
 
 @wheels_claim(
     "world.wheels.{name}",
-    by=lambda axis: Both(Z3(), Ring(wheel_cases(axis, False))),
     over=rows(axis=(0, 1), name=("thrust", "moment"), off=MISMADE),
 )
 def wheels_thrust(mutation: Mutation, axis: int) -> Statement:

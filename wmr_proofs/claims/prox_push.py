@@ -13,8 +13,6 @@ from casadi import DM, SX, exp, expm1, fmax, horzcat, logic_and, substitute, ver
 from wmr_ctrl.control.laws.prox import next_velocity, prox_step
 from wmr_ctrl.world.model.dynamics import wheel_to_force
 from wmr_proofs.claim import Claims, Mutation
-from wmr_proofs.methods.spec import Z3, Both, Ring
-from wmr_proofs.regions import FREE, POSITIVE, Case, Values
 from wmr_proofs.statement import (
     Cuts,
     Named,
@@ -294,29 +292,7 @@ def loop_force(mutation: Mutation, axis: int) -> Statement:
     return s.states(goal, given=given, cuts=s.force_cuts, more=t)
 
 
-def sampled_before(axis: int) -> Both:
-    """Z3 and exact algebra: one torque and the old velocity follow from the hypotheses."""
-    of, inertia, v = f"[{axis + 1}]", ("model.m", "model.I")[axis], VELOCITY_NAMES[axis]
-    names = (f"f_hat{of}", "tau_applied[2]", v, "a", "w", "mu", *["drag"] * (axis == 0))
-    sure = ("clock.control", inertia, "robot.r", "robot.l")
-
-    def values(n: Values) -> Values:
-        """Values that solve both hypotheses."""
-        asked = n[f"f_hat{of}"] - n[inertia] * n["a"] * n["w"] / n["clock.control"]
-        left, pushed = n["tau_applied[2]"], n["robot.r"] * asked
-        dragged, turned = n["robot.r"] * n.get("drag", 0), pushed / n["robot.l"]
-        right = dragged + pushed - left if axis == 0 else left + turned
-        old = n[v] - n["mu"] * n["clock.control"] * asked / n[inertia]
-        kept = {name: n[name] for name in (*names, *sure)}
-        fall = -n["rate"] / (1 + n["rate"])
-        return kept | {"tau_applied[1]": right, f"v_previous{of}": old, "fall": fall}
-
-    numbers = dict.fromkeys(names, FREE) | dict.fromkeys((*sure, "rate"), POSITIVE)
-    case = Case("after the first sample", numbers, values, {"started": POSITIVE})
-    return Both(Z3(), Ring((case,)))
-
-
-@mass_claim("prox.loop-observer{of}", by=sampled_before, over=named_axes())
+@mass_claim("prox.loop-observer{of}", over=named_axes())
 def loop_observer(mutation: Mutation, axis: int) -> Statement:
     """on the law's graph, mass M = M^/mu: q+ = (1 - L mu) q - L a (1 - mu) w, {where} axis.
 

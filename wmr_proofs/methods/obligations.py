@@ -13,7 +13,6 @@ from wmr_proofs.statement import Statement, own_point
 from .point import judged
 from .printed import printed
 from .smt import Problem, posed
-from .spec import Z3, Both, Method
 
 
 @dataclass(frozen=True)
@@ -81,10 +80,3 @@ def obligations(
 
 def _text(problem: Problem, *terms: Any) -> str:
     return printed([*problem.base, *terms], problem.terms.inputs)
-
-
-def uses_z3(method: Method | None) -> bool:
-    """True if a verdict of this method depends on z3."""
-    return isinstance(method, Z3) or (
-        isinstance(method, Both) and (uses_z3(method.first) or uses_z3(method.second))
-    )

@@ -6,10 +6,8 @@ from fractions import Fraction
 from functools import cache
 from importlib import import_module
 from importlib.metadata import packages_distributions, version
-from itertools import chain
 from typing import Any, ClassVar
 
-from wmr_ctrl.results.ledger import OPEN, REFUTED
 from wmr_proofs.regions import Case
 from wmr_proofs.statement import Statement
 
@@ -123,29 +121,6 @@ class Refute(Method):
     points: Sequence[Point] = ()
 
 
-@dataclass(frozen=True)
-class Both(Method):
-    """Two methods that must agree; with ``all_refute`` also on a refutation."""
-
-    first: Method = Ring()
-    second: Method = Z3()
-    all_refute: bool = False
-
-    def decide(self, statement: Statement) -> Finding:
-        """Common verdict with the evidence of both; OPEN if they disagree.
-
-        A counterexample of either refutes, unless both have to find one.
-        """
-        first, second = self.first.decide(statement), self.second.decide(statement)
-        evidence = {**first.evidence, **second.evidence}
-        if first.verdict == second.verdict:
-            return Finding(first.verdict, evidence, first.point)
-        for finding in (first, second):
-            if finding.verdict == REFUTED and not self.all_refute:
-                return Finding(REFUTED, evidence, finding.point)
-        return Finding(OPEN, evidence)
-
-
 def described(value: Any) -> Any:
     """Fingerprint of a method for records, with regions and boxes, without limits of work."""
     if isinstance(value, float):
@@ -155,8 +130,7 @@ def described(value: Any) -> Any:
     if isinstance(value, Case):
         return value.described()
     if isinstance(value, Method):
-        limits = () if isinstance(value, Both) else ("first", "effort")
-        told = [f.name for f in fields(value) if f.name not in limits]
+        told = [f.name for f in fields(value) if f.name not in ("first", "effort")]
         return [type(value).__name__, *((name, described(vars(value)[name])) for name in told)]
     if isinstance(value, Mapping):
         return [(str(key), described(item)) for key, item in value.items()]
@@ -169,18 +143,13 @@ def described(value: Any) -> Any:
 
 def versions(method: Method) -> dict[str, str]:
     """Version of each package whose correctness a verdict of this method depends on."""
-    return {name: _version(name) for name in needs(method)}
+    return {name: _version(name) for name in method.NEEDS}
 
 
 @cache
 def _version(package: str) -> str:
     """Version of a package, from a slow search through all that is done once per process."""
     return version(packages_distributions()[package][0])
-
-
-def parts(method: Method) -> tuple[Method, ...]:
-    """The method, or the parts of both methods of a `Both`."""
-    return (*parts(method.first), *parts(method.second)) if isinstance(method, Both) else (method,)
 
 
 def rounds(method: Method) -> bool:
@@ -190,16 +159,9 @@ def rounds(method: Method) -> bool:
 
 def named(method: Method) -> str:
     """Name of a method in the ledger."""
-    names = ((part.NAME, ", rounding included" * rounds(part)) for part in parts(method))
-    return " and ".join(map("".join, names))
+    return method.NAME + ", rounding included" * rounds(method)
 
 
 def trusted(method: Method) -> tuple[str, ...]:
     """Packages whose correctness a verdict of this method depends on."""
-    every = ((*part.TRUSTED, *["libm"] * rounds(part)) for part in parts(method))
-    return tuple(dict.fromkeys(chain.from_iterable(every)))
-
-
-def needs(method: Method) -> tuple[str, ...]:
-    """Packages that a method imports."""
-    return tuple(dict.fromkeys(chain.from_iterable(part.NEEDS for part in parts(method))))
+    return (*method.TRUSTED, *["libm"] * rounds(method))
