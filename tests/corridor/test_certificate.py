@@ -16,7 +16,9 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.theory.corridor.answer import Corridor, bounds
 from wmr_ctrl.world.scenario import load_scenario, override
+from wmr_proofs.corridor import asked, stated
 from wmr_proofs.corridor.masses import certified
+from wmr_proofs.corridor_check.intervals import RefusedError
 
 EXACT_POSE = changes("""
     sensor.pose_period = 0.0
@@ -126,6 +128,30 @@ def test_what_is_not_covered_is_refused_by_name(preset, changed, words):
 def test_a_law_that_adapts_is_refused():
     refused = find_corridor(safe(), "smc").refused
     assert "away from their limits" in refused
+
+
+@pytest.mark.parametrize(
+    "whole, changed",
+    cases("""
+        False | corridor.start = [0.05, 0.05, 0.15]
+        True  | reference.kind = lemniscate; clock.duration = 0.5; disturbance.std = 9.0
+    """),
+)
+def test_a_share_that_closes_is_checked_like_a_corridor(whole, changed, monkeypatch):
+    scenario = safe("guard.enabled = false; changes = []; actuator.tau_max = inf", changed)
+    found = []
+    for right in (stated.check, refusing):
+        monkeypatch.setattr(stated, "check", right)
+        asked._found.cache_clear()
+        found.append(find_corridor(scenario, "prox", whole=whole == "True"))
+
+    assert found[0].closes is not None
+    assert found[1].closes is None
+
+
+def refusing(written):
+    """A checker that accepts nothing."""
+    raise RefusedError("no")
 
 
 @pytest.mark.slow

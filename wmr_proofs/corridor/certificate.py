@@ -86,8 +86,8 @@ class Certifier:
             [float((a - x).mid()) for a, x in zip(moved, loop.step.at, strict=False)]
         )
         try:
-            start = np.diag((*setup.scenario.corridor.start, *[0.0] * (len(loop.at) - 3)))
-            self.gains = loop_gains(loop, start, self.added, self.reckoning)
+            self.start = np.diag((*setup.scenario.corridor.start, *[0.0] * (len(loop.at) - 3)))
+            self.gains = loop_gains(loop, self.start, self.added, self.reckoning)
         except SlowLoopError as error:
             raise NoCorridorError(f"the loop is unstable, or takes too long: {error}") from error
         self.level = np.array([upper(item) for item in shown[-loop.count :]])

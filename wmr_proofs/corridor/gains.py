@@ -65,11 +65,6 @@ class LoopGains:
     samples: int
     scale: Floats
 
-    @property
-    def starts(self) -> bool:
-        """True if an initial deviation is among the inputs."""
-        return bool(self.state.start.any())
-
     def nearer(self, share: float) -> LoopGains:
         """Gains for a share of the initial deviation, on which the responses depend linearly."""
         fast, state, law = (

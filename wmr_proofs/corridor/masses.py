@@ -94,7 +94,7 @@ def refused_open(text: str) -> Iterator[None]:
 
 def with_inputs(known: Corridor, inputs: Inputs, *, first: bool) -> Corridor:
     """Add a cell's inputs to the result; NoCorridorError if its push is not the first cell's."""
-    push = float(max(inputs.push))
+    push = float(inputs.push[0])
     if not first and push != known.push:
         raise NoCorridorError("an effect's bound changes with the mass: set cells = 0")
     v, w = map(float, inputs.velocity)
@@ -201,30 +201,37 @@ def _closing(certifier: Certifier, inputs: Inputs) -> tuple[float | None, float]
     First a share of the start is tried with all inputs; if there is none, a share of the inputs
     from the path.
     """
-    if not certifier.gains.starts:
-        return _largest(lambda share: certifier.tube(inputs.scaled(share))), 1.0
-    near = _largest(lambda share: _nearer(certifier, share).tube(inputs))
+    if not certifier.start.any():
+        return _largest(lambda share: (certifier, inputs.scaled(share))), 1.0
+    near = _largest(lambda share: (_nearer(certifier, share), inputs))
     if near is not None:
         return 1.0, near
     alone = _nearer(certifier, 0.0)
-    return _largest(lambda share: alone.tube(inputs.scaled(share))), 0.0
+    return _largest(lambda share: (alone, inputs.scaled(share))), 0.0
 
 
 def _nearer(certifier: Certifier, share: float) -> Certifier:
     """The certifier for a share of its initial deviation."""
     other = copy(certifier)
-    other.gains = certifier.gains.nearer(share)
+    other.gains, other.start = certifier.gains.nearer(share), certifier.start * share
     return other
 
 
-def _largest(closed: Callable[[float], object]) -> float | None:
-    """Largest of several shares for which something closes; None if none does."""
+def _largest(loop: Callable[[float], tuple[Certifier, Inputs]]) -> float | None:
+    """Largest of several shares of a loop or its inputs with a corridor, which is then checked.
+
+    None if no share has one.
+    """
     low, high = 0.0, 1.0
     for _ in range(SHARES):
         middle = (low + high) / 2
+        certifier, inputs = loop(middle)
         try:
-            closed(middle)
-            low = middle
+            tube = certifier.tube(inputs)
         except NoCorridorError:
             high = middle
+        else:
+            low, closed = middle, (certifier, inputs, tube)
+    if low:
+        checked(*closed)
     return low or None

@@ -27,10 +27,11 @@ ROOMS = (1.001, 1.02, 1.06)
 """Such growths that are tried for a whole run."""
 LEAST = 1e-3
 """Share of the largest size in a run that is added."""
-DUST = 1e-9
-"""Size that is added to every component."""
-FAST = 1e-7
-"""Size that is added within a sample, which rates bring about from a box of `DUST` at its begin."""
+DUST = (1e-7, 1e-9, 1e-9)
+"""Size that is added within a sample, at samples, and to the law's outputs.
+
+Rates bring about the first from a box of the second at the sample's beginning.
+"""
 LAGS = 1.75
 """Samples that are distinguished by their age, over the run's memory; 1 more after a start."""
 
@@ -76,14 +77,12 @@ def checked_run(passing: Passing, bounds: RunBounds) -> RunBounds:
 def of_loop(certifier: Certifier, inputs: Inputs, peaks: Peaks) -> Certificate:
     """The Certificate of a Certifier's closed box."""
     loop, scenario = certifier.loop, certifier.loop.setup.scenario
-    peaks = peaks.times(ROOM, DUST)
-    peaks = replace(peaks, fast=peaks.fast + FAST)
+    peaks = Peaks(*(part * ROOM + dust for part, dust in zip(peaks.parts, DUST, strict=True)))
     free = np.minimum(peaks.law[-loop.count :], (certifier.most - certifier.level) * (1 - 1e-9))
     inputs = certifier._reckoned(inputs, peaks)
     nz, n, steps = len(loop.names), len(loop.at), loop.steps
     outs = COMMAND + loop.memory + loop.acting
-    start = np.zeros((n, 3 + COMMAND))
-    start[:3, :3] = np.diag(scenario.corridor.start)
+    start = np.hstack([certifier.start[:, :3], np.zeros((n, COMMAND))])
     if loop.observed:
         old = nz + COMMAND * loop.queue + loop.observed[1]
         start[old : old + COMMAND, 3:] = np.diag(certifier._before(inputs, certifier.law_rest))
@@ -118,7 +117,7 @@ def of_run(passing: Passing, bounds: RunBounds, room: float = ROOMS[0]) -> Certi
     n, nz, outs = len(passing.pending), passing.nz, COMMAND + loop.memory + loop.acting
     fast, state, out = (
         part * room + (LEAST * part.max(axis=0) + dust) * (part > 0)
-        for part, dust in zip(bounds.box, (FAST, DUST, DUST), strict=True)
+        for part, dust in zip(bounds.box, DUST, strict=True)
     )
     free = (along.most - along.levels) * (1 - 1e-9)
     sent, heard, dead = out[:, :COMMAND], bounds.box[2][:, :COMMAND], passing.inputs.dead

@@ -147,7 +147,7 @@ def _closing(refused: Passing, start: Floats) -> float | None:
     while best is not None:
         passing = Passing(along, inputs.scaled(0.5**best), start)
         try:
-            _followed(passing)
+            checked_run(passing, _followed(passing))
         except NoCorridorError:
             near = round(BEYOND / along.setup.scenario.clock.control)
             again = [passing.tried] if any(abs(k - passing.tried) < near for k in lost) else []
