@@ -200,7 +200,7 @@ def _tanh(a: Form) -> Form:
     mean = ca.if_else(apart, (at_high - at_low) / (high - low), 0.0)
     best: tuple[ca.SX, ...] = ()
     for share in STEEPER:
-        slope = ca.fmin(ca.fmax(share * mean, 0.0), 1.0)
+        slope = ca.fmin(share * mean, 1.0)
         turn = ca.sqrt(1 - slope)
         place = ca.atanh(ca.fmin(turn, 1 - ROUNDING))
         first, last, top = at_low - slope * low, at_high - slope * high, turn - slope * place
@@ -261,7 +261,7 @@ _RULES: dict[int, Callable[..., Form | Truth]] = {
     ca.OP_DIV: lambda a, b: _mul(a, _inverse(b)),
     ca.OP_INV: _inverse,
     ca.OP_TANH: _tanh,
-    ca.OP_SIN: _curve(ca.sin, ca.cos, lambda low, high: ca.fmin(ca.fmax(abs(low), abs(high)), 1.0)),
+    ca.OP_SIN: _curve(ca.sin, ca.cos, lambda low, high: ca.fmax(abs(low), abs(high))),
     ca.OP_COS: _curve(ca.cos, lambda x: -ca.sin(x), lambda low, high: ca.SX(1)),
     ca.OP_LT: _below,
 }

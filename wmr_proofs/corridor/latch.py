@@ -139,7 +139,7 @@ def left_by(run: Run, scenario: Scenario) -> CorridorLeft | None:
         return None
     k, since = gone[0], np.flatnonzero(verdicts[IN_CORRIDOR])[0]
     first, second = map(float, latch.velocity)
-    limits = bounds(float(max(latch.push)), latch.pose, (first, second))
+    limits = bounds(float(latch.push[0]), latch.pose, (first, second))
     mass = f"{limits} and M = {scenario.robot.m:g} kg"
     times, (off, most) = (
         (float(run.time[k]), float(run.time[since])),

@@ -44,10 +44,10 @@ def is_plain(setup: Setup) -> bool:
 
 
 def commands_counted(setup: Setup) -> int:
-    """Number of commands in transit that a plain guard takes into account; 0 without one."""
+    """Commands in transit that a plain guard takes into account on each axis; 0 without one."""
     if not counts_late(setup):
         return 0
-    return max(item.commands for item in setup.guard.lateness(setup.scenario.clock))
+    return setup.guard.lateness(setup.scenario.clock)[0].commands
 
 
 def sizes_of_forces(setup: Setup, forces: Floats) -> Floats:

@@ -108,8 +108,10 @@ def widened(a: MidRadius, more: Floats | float) -> MidRadius:
 
 
 def hull(points: Floats, axis: int) -> MidRadius:
-    """Spans that contain all points along an axis."""
+    """Spans that contain all points along an axis.
+
+    The share of ``high - low`` covers the rounding of a ``high`` that is larger than ``low``.
+    """
     low, high = points.min(axis=axis), points.max(axis=axis)
-    size = np.maximum(np.abs(low), np.abs(high))
-    wide = (high - low) / 2 * (1 + 2**-40) + ROUNDED * size
+    wide = (high - low) / 2 * (1 + 2**-40) + ROUNDED * np.abs(low)
     return MidRadius((low + high) / 2, np.where(low == high, 0.0, wide))

@@ -153,9 +153,8 @@ class Responses:
             slack[:, : self.n] + np.outer(reach, self.norms[:, : self.n].max(axis=0)) * self.damping
         )
         ways = ways[:, which[: self.n]].transpose(0, 2, 1)
-        off = (np.abs(ways) @ size).max(axis=1) * ROUNDING
         most = np.abs(ways @ self.start).sum(axis=2).max(axis=1)
-        return np.asarray((most + off + rest @ size) * UP)
+        return np.asarray((most + rest @ size) * UP)
 
     def _constant(self, rows: OutputRows, size: Floats, added: Floats | None) -> Floats:
         """Largest values of the signed sums of equal increments in every sample."""
