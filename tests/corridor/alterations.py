@@ -2,7 +2,7 @@
 
     python -m tests.corridor.alterations [FILE ...]
 
-Each ``<=`` and ``>=``, each maximum and minimum, and each ``&=`` of `wmr_proofs/corridor` is turned
+Each ``<=`` and ``>=``, each maximum and minimum, and each ``&`` of `wmr_proofs/corridor` is turned
 into its opposite.  The checker notices if a case of PROBES no longer gets a width; otherwise the
 default tests of this folder run.
 """
@@ -11,22 +11,19 @@ import ast
 import os
 import sys
 from contextlib import redirect_stdout
-from functools import cached_property
-from importlib import import_module
+from importlib.util import find_spec, module_from_spec
 from pathlib import Path
-from types import CodeType, FunctionType
 
 import pytest
 
 from tests.papers_robot import safe
 from tests.tables import changes
 from wmr_ctrl.control.setup import settle
-from wmr_proofs.corridor.asked import certified_corridor, run_corridor
-from wmr_proofs.corridor.inputs import is_steady
 
 FOLDER = Path(__file__).parents[2] / "wmr_proofs" / "corridor"
 OPPOSITE = {
     "max": "min", "min": "max", "maximum": "minimum", "minimum": "maximum",
+    "fmax": "fmin", "fmin": "fmax",
     ast.LtE: ast.Gt, ast.GtE: ast.Lt, ast.BitAnd: ast.BitOr,
 }  # fmt: skip
 MISLED = changes("sensor.pose_noise = 1e-5; sensor.velocity_noise = [1e-4, 2e-4]")
@@ -53,51 +50,46 @@ is no less than the checker's own when it is printed."""
 HARMLESS = {
     "(begun.fast[:ROBOT] / scale[:ROBOT]).max()": "how far a box may grow until it is given up",
     "self.latest[place].max(axis=0)": "a box that a deviation leaves is made anew (`_bent`)",
+    "max(growth, 1.0)": "with how many bits a matrix is computed, which `doubles` verifies",
+    "linear.max(axis=0)": "where the search for an error of dead reckoning begins",
+    "np.minimum(pairs[:, first, second], both ** 2 / (4 * along.ratios))": "each holds",
 }
 """Further bounds that choose something, and what."""
 
 
-def places(tree):
-    """Each function with the syntax nodes of its bounds."""
-    for owner in ast.walk(tree):
-        for node in ast.walk(owner) if isinstance(owner, ast.FunctionDef) else ():
-            call = getattr(node, "func", None)
-            key = getattr(call, "id", getattr(call, "attr", None))
-            if isinstance(node, ast.Compare):
-                key = type(node.ops[0])
-            elif isinstance(node, ast.AugAssign):
-                key = type(node.op)
-            if key in OPPOSITE:
-                yield owner.name, node, OPPOSITE[key]
+def places(tree, owner=""):
+    """Function and text of each bound, and where it stands: a syntax node, field and index."""
+    for node in ast.iter_child_nodes(tree):
+        for field, value in ast.iter_fields(node):
+            for k, item in enumerate(value if isinstance(value, list) else [value]):
+                if OPPOSITE.get(item if isinstance(item, str) else type(item)):
+                    text = ast.unparse(tree if isinstance(tree, ast.Call) else node)
+                    yield owner, text, (node, field, k)
+        yield from places(node, node.name if isinstance(node, ast.FunctionDef) else owner)
 
 
-def turn(node, other):
-    """Turn a node into its opposite."""
-    if isinstance(node, ast.Compare):
-        node.ops[0] = other()
-    elif isinstance(node, ast.AugAssign):
-        node.op = other()
+def turn(node, field, k):
+    """Turn a bound into its opposite."""
+    value = getattr(node, field)
+    if isinstance(value, list):
+        value[k] = OPPOSITE[type(value[k])]()
     else:
-        setattr(node.func, "id" if isinstance(node.func, ast.Name) else "attr", other)
+        setattr(node, field, OPPOSITE.get(value) or OPPOSITE[type(value)]())
 
 
-def put(module, tree):
-    """Replace the code of the module's functions by that of another syntax tree."""
-    codes, left = {}, [compile(tree, module.__file__, "exec")]
-    while left:
-        code = left.pop()
-        codes[code.co_qualname] = code
-        left += [item for item in code.co_consts if isinstance(item, CodeType)]
-    owners = [module, *(item for item in vars(module).values() if isinstance(item, type))]
-    for value in [value for owner in owners for value in vars(owner).values()]:
-        if isinstance(value, property | cached_property):
-            value = value.fget if isinstance(value, property) else value.func
-        if isinstance(value, FunctionType) and value.__module__ == module.__name__:
-            value.__code__ = codes.get(value.__qualname__, value.__code__)
+def put(path, tree):
+    """Import a module of the corridor, of which nothing has been imported, from a syntax tree."""
+    spec = find_spec(f"wmr_proofs.corridor.{path.stem}")
+    module = sys.modules[spec.name] = module_from_spec(spec)
+    exec(compile(tree, path, "exec"), vars(module))
+    setattr(sys.modules["wmr_proofs.corridor"], path.stem, module)
 
 
 def refused():
     """True if a probe has no width."""
+    from wmr_proofs.corridor.asked import certified_corridor, run_corridor
+    from wmr_proofs.corridor.inputs import is_steady
+
     for law, scenario in PROBES:
         try:
             steady = is_steady(setup := settle(scenario, law))
@@ -126,19 +118,16 @@ def main(names):
     for path in sorted(FOLDER.glob("*.py")):
         if names and path.name not in names:
             continue
-        text, module = path.read_text(), import_module(f"wmr_proofs.corridor.{path.stem}")
-        for k, (owner, node, _) in enumerate(places(ast.parse(text))):
-            if owner in NO_BOUND.get(path.name, "").split() or ast.unparse(node) in HARMLESS:
+        tree = ast.parse(path.read_text())
+        for owner, text, place in [*places(tree)]:
+            if owner in NO_BOUND.get(path.name, "").split() or text in HARMLESS:
                 continue
             if child := os.fork():
                 os.waitpid(child, 0)
                 continue
-            tree = ast.parse(text)
-            found = [*places(tree)][k]
-            turn(*found[1:])
-            put(module, tree)
-            print(f"{path.name}:{node.lineno} {owner}: {ast.unparse(node)[:70]}: {noticed()}")
-            sys.stdout.flush()
+            turn(*place)
+            put(path, tree)
+            print(f"{path.name}:{place[0].lineno} {owner}: {text[:70]}: {noticed()}", flush=True)
             os._exit(0)
 
 

@@ -14,10 +14,8 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor.answer import Corridor
 from wmr_ctrl.world.scenario import load_scenario
 from wmr_proofs.corridor.certificate import Certifier
-from wmr_proofs.corridor.gains import DIRECTIONS, PAIRS
 from wmr_proofs.corridor.inputs import Inputs, NoCorridorError, at_first, bounded_inputs
 from wmr_proofs.corridor.masses import _with_robots
-from wmr_proofs.corridor.peaks import Peaks
 from wmr_proofs.corridor.reckoning import Reckoning
 
 NOISE = np.array([0.002, 0.004])
@@ -28,19 +26,6 @@ NOISY = {"sensor.velocity_noise": NOISE.tolist(), "guard.enabled": False}
 def certifier():
     """Certifier of a law with an observer and errors of measured velocities."""
     return Certifier(settle(safe(NOISY), "kanayama"))
-
-
-def peaks_of(certifier, e):
-    """Largest rows that one deviation (5) of error and velocity causes."""
-    size = len(certifier.loop.names)
-    whole = np.zeros(size)
-    whole[:5] = e
-    turns = np.pi / DIRECTIONS * np.arange(DIRECTIONS)
-    along = np.abs(np.cos(turns) * e[0] + np.sin(turns) * e[1])
-    pairs = zip(PAIRS, certifier.gains.ratios, strict=True)
-    sums = [abs(e[a] + sign * ratio * e[b]) for (a, b), ratio in pairs for sign in (1, -1)]
-    fast = np.concatenate((np.abs(whole), along, sums))
-    return Peaks(fast, np.zeros(len(certifier.loop.at)), np.zeros(len(certifier.law_rest)))
 
 
 def test_inputs_are_as_large_as_the_scenario_says():
@@ -112,19 +97,6 @@ def test_a_start_counts_what_was_measured_and_estimated_before_it(certifier):
             given = inputs, np.zeros(len(certifier.loop.names)), nothing, np.zeros(2), started
             assert one._peaks(*given).fast == pytest.approx(started * size)
     assert before.min() > 0
-
-
-def test_within_a_sample_what_every_plant_step_adds_counts_besides(certifier):
-    one = copy(certifier)
-    held, direct, own = (np.zeros_like(part) for part in certifier.gains.fast.first)
-    fast = replace(certifier.gains.fast, first=(held, direct, own + 1.0))
-    one.gains = replace(certifier.gains, fast=fast)
-    nothing = peaks_of(certifier, np.zeros(5))
-    found = []
-    for one.added in (np.zeros(len(certifier.loop.names)), -np.ones(len(certifier.loop.names))):
-        found.append(one.next_sample(certifier.inputs, nothing.state, nothing).fast)
-
-    assert found[1] - found[0] == pytest.approx(len(certifier.loop.names))
 
 
 def test_an_error_that_is_reckoned_on_is_as_large_as_its_own_remainders_make_it():

@@ -20,9 +20,11 @@ from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.following import Following
 from wmr_proofs.corridor.inputs import NoCorridorError, bounded_inputs
+from wmr_proofs.corridor.instant import RunBounds
 from wmr_proofs.corridor.latch import DUST, latch_of
 from wmr_proofs.corridor.latch import LARGER as LARGER_BOXES
 from wmr_proofs.corridor.passage import Passing
+from wmr_proofs.corridor.peaks import Tube
 from wmr_proofs.corridor_check import check as checker
 from wmr_proofs.corridor_check.certificate import Certificate
 from wmr_proofs.corridor_check.check import check, in_the_long_run, latched
@@ -246,6 +248,23 @@ def test_a_run_whose_bounds_forget_something_has_no_width(monkeypatch):
     assert tube.position is None
     assert "do not pass their check (" in tube.refused
     assert "please report it" in tube.sentence
+
+
+def test_the_wider_of_computed_and_checked_bounds_is_stated(monkeypatch):
+    found = np.array([1.0, 4.0]), np.array([0.1, 0.4])
+    for name, value in (("of_loop", None), ("of_run", None), ("check", found),
+                        ("in_the_long_run", 0.8)):  # fmt: skip
+        monkeypatch.setattr(stated, name, lambda *_, value=value: value)
+    each = [stated.checked(None, None, Tube(None, *sizes, "", 0.5))
+            for sizes in ((2.0, 0.5, 0.05), (0.5, 0.9, 0.2))]  # fmt: skip
+    part = np.array([2.0, 3.0])
+    run = stated.checked_run(None, RunBounds(part, part, part / 10, part, part, None))
+
+    assert [(x.position, x.position_late, x.heading) for x in each] == [
+        (2.0, 0.8, 0.1), (1.0, 0.9, 0.2),
+    ]  # fmt: skip
+    assert run.position.tolist() == [2.0, 4.0]
+    assert run.heading.tolist() == [0.2, 0.4]
 
 
 def test_no_box_of_a_monitor_may_be_larger_and_no_time_in_it_shorter():

@@ -16,7 +16,13 @@ from wmr_proofs.corridor.inputs import conditions
 from wmr_proofs.corridor.loop import Curve, SampledLoop
 from wmr_proofs.corridor.midradius import MidRadius
 from wmr_proofs.corridor.motion import MovingCurve
-from wmr_proofs.corridor.sample import ROUNDING, SampleMatrices, SlowLoopError, powers_until
+from wmr_proofs.corridor.sample import (
+    ROUNDING,
+    SampleMatrices,
+    SlowLoopError,
+    doubles,
+    powers_until,
+)
 
 V_D = np.array([0.2, 0.1])
 
@@ -49,6 +55,22 @@ def test_what_is_left_after_all_samples_is_a_norm_that_is_not_below_the_truth(lo
     monkeypatch.setattr(room, "_samples", lambda rough: (3, 10.0))
     with pytest.raises(SlowLoopError, match="is left after 3 samples"):
         loop_gains(loop, np.zeros((len(loop.at), 1)), np.zeros(len(loop.names)))
+
+
+@pytest.mark.parametrize("ball", [arb(2e9), arb(1, 1e-3)])
+def test_a_matrix_that_is_large_or_unsure_has_no_doubles(ball):
+    assert doubles(np.array([[arb(2)]])) == 2.0
+    with pytest.raises(SlowLoopError, match="more bits"):
+        doubles(np.array([[arb(2), ball]]))
+
+
+def test_norms_are_those_of_the_largest_element():
+    rng = np.random.default_rng(2)
+    course, scale = rng.normal(size=(5, 3, 4)), np.array([0.5, 1.0, 2.0])
+    norms = room._weighed(course, np.abs(course), scale)
+
+    assert norms == pytest.approx((np.abs(course) / scale[:, None]).max(axis=1), rel=1e-9)
+    assert (np.abs(course) <= norms[:, None] * scale[:, None]).all()
 
 
 def test_a_condition_that_goes_both_ways_is_not_guessed():

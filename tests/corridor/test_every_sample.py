@@ -4,6 +4,7 @@ them.
 
 import re
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from wmr_proofs.corridor import passage, remainders
 from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.asked import run_corridor
 from wmr_proofs.corridor.inputs import bounded_inputs
-from wmr_proofs.corridor.instant import Guess
+from wmr_proofs.corridor.instant import Guess, Instant
 from wmr_proofs.corridor.passage import Passing
 
 PERIOD = 0.05
@@ -252,6 +253,16 @@ def test_infinite_guess_does_not_hold():
     endless, less = (Guess(*np.full((3, 1, 2), size)) for size in (np.inf, 1.0))
     assert less.holds(less)
     assert not endless.holds(less)
+
+
+def test_a_sample_that_stands_for_others_has_the_extremes_of_all():
+    course = np.array([[0.0, 9.0], [1.0, 4.0], [3.0, 2.0], [2.0, 5.0], [7.0, 0.0]])
+    block = SimpleNamespace(at=np.zeros(2))
+    held = Instant(1, 4, None, block, held=True)
+
+    assert held.most(course).tolist() == [[3.0, 5.0]] * 2
+    assert held.least(course).tolist() == [[1.0, 2.0]] * 2
+    assert Instant(1, 4, None, block).most(course).tolist() == course[1:3].tolist()
 
 
 def test_reason_of_refusal_has_a_number():

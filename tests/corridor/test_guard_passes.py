@@ -2,12 +2,15 @@
 
 import casadi as ca
 import numpy as np
+import pytest
 
 from tests.oracle.guard import VelocityGuard
 from tests.papers_robot import safe
 from tests.tables import changes
+from wmr_ctrl.control.guard.bounds import net
 from wmr_ctrl.control.setup import settle
 from wmr_proofs.corridor.inputs import conditions
+from wmr_proofs.corridor.late_guard import ROOM, sizes_of_forces
 
 
 def test_within_the_conditions_a_guard_passes_every_force_and_hardly_any_beyond():
@@ -29,3 +32,12 @@ def test_within_the_conditions_a_guard_passes_every_force_and_hardly_any_beyond(
             found.append(bool(np.allclose(guard.act(near, slow, (0.0, 0.0)), near, rtol=1e-9)))
     assert all(passed)
     assert np.mean(stopped) < 0.02
+
+
+def test_forces_in_transit_are_counted_with_the_guards_own_disturbance_at_least():
+    setup = settle(safe("actuator.delay = 0.02"), "prox")
+    least = np.array([net(setup.guard, axis) for axis in (0, 1)])
+
+    assert (least > 0).all()
+    assert sizes_of_forces(setup, 0.1 * least).tolist() == least.tolist()
+    assert sizes_of_forces(setup, 5.0 * least) == pytest.approx(5.0 * ROOM * least)

@@ -18,10 +18,11 @@ from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.export.fmi.fmu_files import export_fmu
 from wmr_ctrl.theory.corridor import corridor_monitor
-from wmr_ctrl.theory.corridor.monitor import OUTPUTS
+from wmr_ctrl.theory.corridor.monitor import OUTPUTS, Latch
 from wmr_ctrl.theory.corridor.monitor import monitor as watching
 from wmr_ctrl.world.registry import EFFECTS
 from wmr_ctrl.world.scenario import override
+from wmr_proofs.corridor import latch
 from wmr_proofs.corridor.certificate import Certifier
 from wmr_proofs.corridor.latch import latch_of
 
@@ -165,6 +166,16 @@ def test_as_an_fmu_it_tells_the_same(monitor, shoved, tmp_path):
 def test_what_cannot_be_watched_is_refused(case, law, words):
     with pytest.raises(ScenarioError, match=words):
         corridor_monitor(safe(case), law)
+
+
+def test_errors_larger_than_the_box_are_refused(monkeypatch):
+    """Poses are off by more than the box, velocities are exact."""
+    monkeypatch.setattr(latch, "latch_of", lambda certifier, inputs: Latch(
+        np.full(len(certifier.loop.at), 0.01), 5, (0.1,), certifier.loop.at, inputs.push, 0.02,
+        np.zeros(2),
+    ))  # fmt: skip
+    with pytest.raises(ScenarioError, match="off by more than the box"):
+        corridor_monitor(override(CASE, {"disturbance.std": 0.7}), "prox")
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from tests.papers_robot import safe
+from wmr_ctrl.world.references import sample
 from wmr_proofs.corridor.midradius import MidRadius
-from wmr_proofs.corridor.motion import MovingCurve, _chord
+from wmr_proofs.corridor.motion import MovingCurve, _chord, _rounding, motion_of
 from wmr_proofs.corridor.peaks import reference_gap
 
 
@@ -48,3 +50,30 @@ def test_a_remainder_in_parts_is_not_below_the_integral_it_stands_for(steep):
         found = curve.bend_within(point, np.array([2.0]), point, fine=fine)[0]
 
         assert least * (1 - 1e-3) <= found <= coarse * (1 + 1e-9)
+
+
+def test_a_reference_is_aside_of_arcs_by_no_more_than_is_counted():
+    """Each sample's motion is an arc of the test's own."""
+    told = "reference.kind = lemniscate; clock = {control = 0.2, plant = 0.02, duration = 6.0}"
+    motion, h = motion_of(safe(told, "reference.rate = 0.8; changes = []")), 0.02
+    poses = sample(safe(told, "reference.rate = 0.8; changes = []"), np.arange(301) * h)[:, :3]
+    begin, inner = poses[:-1:10], np.stack([poses[k:][:291:10] for k in range(1, 11)], axis=1)
+    v, w = motion.way[1:].T
+    t = h * np.arange(1, 11)
+    after = begin[:, 2:] + w[:, None] * t
+    ahead, theta = (v / w)[:, None], begin[:, 2:]
+    x = begin[:, :1] + ahead * (np.cos(after) - np.cos(theta))
+    y = begin[:, 1:2] + ahead * (np.sin(after) - np.sin(theta))
+    off = np.hypot(x - inner[..., 0], y - inner[..., 1])
+    for counted, found in ((motion.aside, off.max(axis=1)),
+                           (motion.turned, np.abs(after - inner[..., 2]).max(axis=1)),
+                           (motion.gap, off[:, -1])):  # fmt: skip
+        assert (found <= counted + 1e-9).all()
+        assert (counted <= found + 1e-8).all()
+    assert (off.max(axis=1) > 10 * off[:, 0]).any()
+
+
+def test_rounding_is_that_of_the_farthest_pose():
+    poses = np.array([[0.0, 0.0, 0.0], [1e6, 0.0, 3.0], [1.0, 2.0, 0.0]])
+
+    assert 10 * np.spacing(1e6) < _rounding(poses, 10) < 1e4 * np.spacing(1e6)

@@ -22,6 +22,7 @@ from wmr_proofs.corridor.motion import MovingCurve
 from wmr_proofs.corridor.passage import Passing
 from wmr_proofs.corridor.secants import SecantCurve
 from wmr_proofs.corridor.spans import MidRadiusGraph
+from wmr_proofs.corridor.stretch import _within
 
 x = ca.SX.sym("x", 3)
 WHOLE = ca.vertcat(
@@ -127,15 +128,37 @@ def test_series_hold_what_balls_say_and_are_not_much_wider(name, most, wide):
         ca.if_else(ca.logic_or(x[0], x[1] < 0), 1.0, 2.0),
         ca.if_else(ca.logic_not(x[0]), 1.0, 2.0),
         ca.sign(x[0]),
+        ca.if_else(x[0] <= 0.5, 1.0, 2.0),
+        ca.if_else(ca.eq(x[0], 0.5), 1.0, 2.0),
+        ca.if_else(ca.ne(x[0], 0.5), 1.0, 2.0),
     ],
 )
 def test_a_condition_that_a_span_leaves_open_is_not_guessed(expr):
     graph, one = MidRadiusGraph("choice", [x], expr), MidRadius(np.ones(1))
     given = [MidRadius(np.array([0.5]), np.array([0.6])), one, one]
 
-    assert np.abs(graph([one, one, one]).middle) in (1.0, 2.0)
+    for point in (0.25, 0.5, 1.0):
+        value = float(ca.Function("f", [x], [expr])([point, 1.0, 1.0]))
+        assert graph([MidRadius(np.array([point])), one, one]).middle == value
     with pytest.raises(OpenBoxError, match="choice"):
         graph(given)
+
+
+def test_beyond_their_largest_argument_series_are_not_used():
+    graph = MidRadiusGraph("f", [x], ca.vertcat(ca.sin(x[0]), ca.cos(x[0])))
+    found = graph([MidRadius(np.array([2.5]))] * 3)
+
+    assert (np.abs(found.middle - [np.sin(2.5), np.cos(2.5)]) <= found.radius + 1e-15).all()
+    assert found.radius.max() < 1e-14
+
+
+def test_a_chord_is_as_unsure_as_its_less_sure_end():
+    for ends in ((0.3, 0.5), (0.5, 0.3)):
+        radius = np.zeros((1, 4, 2, 6))
+        radius[:, [0, 3]] = np.reshape(ends, (2, 1, 1))
+        within = _within(MidRadius(0 * radius, radius), 2, 0, 3)
+
+        assert all((part >= 0.5).all() for part in within.apart)
 
 
 def test_products_of_long_rows_count_the_rounding_of_all_their_terms():

@@ -73,7 +73,17 @@ def test_what_is_carried_from_sample_to_sample_adds_up_with_its_signs(responses,
 
         near_above(by, sums, TAIL * 2 * 3 * count**2 * np.abs(B))
         assert (found.steps >= own @ OWN).all()
-        assert (found.constant >= np.abs(NOW) * 0).all()
+
+
+def test_each_start_and_what_is_left_of_it_counts(gains):
+    """The largest values are those of the first sample, with the norm that is left of the last."""
+    unit = np.eye(N)
+    course = np.cumsum([NOW, *(A**k * STEADY for k in range(60))], axis=0)
+
+    near_above(gains.start, np.abs(START).sum(axis=1) + LEFT * np.abs(START).sum())
+    near_above(gains.misled, np.hypot(unit[1], unit[2]) + 2 * LEFT)
+    near_above(gains.before, unit[:, :COMMAND] + LEFT)
+    near_above(gains.constant, np.abs(course).max(axis=0), 2 * TAIL * np.abs(STEADY).max())
 
 
 def test_rows_stand_one_after_the_other_or_entry_by_entry(gains, responses, rows):

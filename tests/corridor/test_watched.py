@@ -102,7 +102,7 @@ def test_a_run_is_held_against_it_until_the_robot_changes(numbers, frames):
     assert left.most == pytest.approx(numbers["corridor.position"][0], rel=1e-9)
     assert left.distance == pytest.approx(np.hypot(*run["e"][at + 1, :2]), rel=1e-6)
     for time, said in ((170 * PERIOD, False), (190 * PERIOD, True)):
-        change = [{"t": time, "mu": 0.081}]
+        change = [{"t": time, "mu": 0.081}, {"t": 195 * PERIOD, "mu": 0.082}]
         assert (left_by(run, override(CASE, {"changes": change})) is not None) == said
 
 

@@ -1,6 +1,8 @@
 """The corridor over a whole run, along a path with varying velocity and past changes."""
 
 from time import sleep
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,12 +13,14 @@ from tests.world.toys import GUST
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.corridor import find_corridor
 from wmr_ctrl.world.registry import EFFECTS
-from wmr_proofs.corridor import following
+from wmr_proofs.corridor import following, masses, whole
 from wmr_proofs.corridor.along import Along
 from wmr_proofs.corridor.asked import run_corridor
 from wmr_proofs.corridor.inputs import bounded_inputs
+from wmr_proofs.corridor.instant import RunBounds
 from wmr_proofs.corridor.masses import certified, mass_courses
 from wmr_proofs.corridor.passage import Passing
+from wmr_proofs.corridor.peaks import Tube
 from wmr_proofs.corridor.whole import certified_run
 
 PERIOD = 0.02
@@ -55,6 +59,39 @@ def test_a_start_that_alone_stops_it_is_named_and_no_push_is_blamed():
         "; corridor.start alone is too large for it, also without pushes and errors"
     )
     assert "1/256" not in refused
+
+
+def test_cells_have_the_widest_of_their_corridors(monkeypatch):
+    """Position, heading, linear position, long run and most used limit are from other cells."""
+    cells = [(3.0, 1.0, 0.1, 0.5, 2.0), (4.0, 2.0, 0.1, 0.5, 1.0), (1.0, 1.0, 0.3, 0.9, 1.0),
+             (2.0, 1.0, 0.2, 0.6, 3.0)]  # fmt: skip
+    tubes = [Tube(None, at, late, turn, f"limit {share}", share)
+             for at, late, turn, share, _ in cells]  # fmt: skip
+    found = [SimpleNamespace(inputs=bounded_inputs(settle(safe(), "prox")), linear_position=far)
+             for *_, far in cells]  # fmt: skip
+    monkeypatch.setattr(masses, "Certifier", Mock(side_effect=found))
+    monkeypatch.setattr(masses, "_certified_tube", Mock(side_effect=tubes))
+    monkeypatch.setattr(masses, "checked", lambda *given: given[-1])
+    two = changes("corridor.cells = 2; changes = [{t = 2.0, mu = 0.1}, {t = 3.0, mu = 0.2}]")
+    tube = certified(settle(safe({**LOADED, **two}), "prox"))
+
+    assert (tube.position, tube.position_late, tube.heading, tube.linear) == (4.0, 2.0, 0.3, 3.0)
+    assert (tube.binding, tube.share, tube.until) == ("limit 0.9", 0.9, 2.0)
+
+
+def test_runs_of_cells_have_the_widest_of_their_courses(monkeypatch):
+    runs = np.array([[[1, 5, 2, 2], [0, 1, 0, 0]], [[3, 1, 1, 4], [0, 0, 2, 0]],
+                     [[2, 2, 2, 1], [3, 0, 0, 0]]])  # fmt: skip
+    limits = SimpleNamespace(conditions=[SimpleNamespace(name=name) for name in "abcd"])
+    results = [(SimpleNamespace(loop=limits), RunBounds(
+        run[0], run[0] / 2, run[1], run[0] / 10, np.arange(4), None)) for run in runs]  # fmt: skip
+    monkeypatch.setattr(whole, "_passed", Mock(side_effect=results))
+    monkeypatch.setattr(whole, "mass_courses", lambda setup: [(setup, np.zeros(2))] * len(runs))
+    tube = certified_run(settle(safe("changes = []"), "prox"))
+
+    assert tube.course.tolist() == [[3, 5, 2, 4], [3, 1, 2, 0]]
+    assert (tube.position, tube.position_late, tube.linear, tube.heading) == (5, 4, 2.5, 3)
+    assert (tube.binding, tube.share) == ("b", 0.5)
 
 
 @pytest.mark.slow
