@@ -1,9 +1,8 @@
-"""What a wheel needs beside the dependencies of pyproject.toml: a C compiler, where there is none.
+"""Add a C compiler to a wheel's dependencies if the machine has none.
 
-The compiler is the wheel `ziglang`, 0.4 GB when installed.  A checkout is built for the machine on
-which `pip install .` runs, so it goes without the wheel where a compiler works there.  Whoever
-builds from a source archive, as `python -m build` does for its wheel, builds for any machine: that
-wheel always asks for it.
+The compiler is the wheel `ziglang`, 0.4 GB when installed. A checkout is built for the machine on
+which `pip install .` runs, so it needs no wheel if a compiler works there. A wheel that is built
+from a source archive, as by `python -m build`, is for any machine: it always requires the compiler.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ PROBE = ROOT / "wmr_ctrl" / "codegen" / "probe.c"
 NAMES = ("cc", "gcc", "clang")
 VARIABLE = "WMR_CTRL_CC"
 COMPILER = "ziglang>=0.13"
-"""It covers every platform that casadi's wheels cover, so it needs no marker."""
+"""Compiler wheel; it exists for every platform of casadi's wheels, so it needs no marker."""
 
 
 class CompilerHook(BuildHookInterface):
-    """Adds the compiler's wheel to the dependencies of a wheel that needs it."""
+    """Hook that adds the compiler's wheel to the dependencies of a wheel that needs it."""
 
     def initialize(self, version: str, build_data: dict[str, object]) -> None:
-        """Before a wheel is built, an editable one too."""
+        """Run before a wheel is built, also an editable one."""
         if not (built_here() and compiler()):
             build_data["dependencies"] = [*build_data.get("dependencies", []), COMPILER]
 

@@ -1,7 +1,7 @@
 """Chain from a promise to the claims behind it, as in docs/explanation/proved.md, and its picture.
 
-Each link is a sentence and the entries of the ledger that are that sentence; verdicts are read from
-the committed record, so that the picture cannot say more than it.
+Each link is a sentence and the entries of the ledger that prove it; verdicts are read from the
+committed record, so that the picture cannot say more than it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ COLOURS = {
     "HAND": ("#b26a00", "argued by hand"),
     "TRUSTED": ("#6b6b6b", "trusted or stated"),
 }
-"""Of each way in which a link may hold: its colour and its name in the legend."""
+"""Colour and legend entry of each way in which a link may hold."""
 
 
 @cache
@@ -41,11 +41,11 @@ def verdicts(link: Link) -> dict[str, str]:
 
 PROMISES = data("wmr_ctrl.results", "promises.toml")
 CHAINS = {row["title"]: chain(name) for name, row in PROMISES.items() if "title" in row}
-"""Those of the picture."""
+"""The two chains of the picture."""
 
 
 def picture() -> Figure:
-    """Both chains side by side, the promise on top, each link with its entries."""
+    """Draw both chains side by side, with the promise on top and each link's entries."""
     figure = Figure(figsize=(7.4, 8.6), dpi=110)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(0, 100)
@@ -76,7 +76,7 @@ def _way(link: Link) -> str:
 
 
 def _box(axes: Axes, x: float, y: float, link: Link, *, first: bool) -> None:
-    """One link with its lower left corner at (x, y)."""
+    """Draw one link with its lower left corner at (x, y)."""
     counts = Counter(verdicts(link).values())
     colour = COLOURS[_way(link)][0]
     face, ink = ("#12365C", "white") if first else ("white", "#222222")

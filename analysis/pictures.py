@@ -1,7 +1,7 @@
 """Draw the pictures of the README and of the documentation's pages into docs/images.
 
-``python analysis/pictures.py`` draws all, with names (``limits period``) these.  Each function is a
-picture; its runs are those that the page's text names.
+``python analysis/pictures.py`` draws all; with names (``limits period``) only these. Each function
+is a picture; its runs are those that the page's text names.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ from wmr_ctrl.world.effect import Bound
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 SHADES = ("#9BC4EA", "#3F7FBF", "#12365C")
-"""Of one law, from the small value to the large."""
+"""Shades of a law's colour, from the smallest value to the largest."""
 COLOURS = 64
-"""In the palette of a picture: lines and text need no more, and the files stay small."""
+"""Colours in a picture's palette: enough for lines and text, and the files stay small."""
 
 
 def pair(*titles: str) -> tuple[Figure, Axes, Axes]:
-    """Two panels side by side."""
+    """Create two panels side by side."""
     figure = Figure(figsize=(7.4, 2.8), layout="constrained", dpi=110)
     left, right = figure.subplots(1, 2)
     left.set_title(titles[0])
@@ -55,14 +55,14 @@ def pair(*titles: str) -> tuple[Figure, Axes, Axes]:
 
 
 def limit(axes: Axes, value: float = 1.0) -> None:
-    """The limit as a line with its far side shaded."""
+    """Draw a limit as a line, with the area beyond it shaded."""
     axes.axhline(value, color=LIMIT, lw=1.0)
     top = axes.get_ylim()[1]
     axes.axhspan(value, max(top, 1.15 * value), color=LIMIT, alpha=0.10, lw=0)
 
 
 def runs(law: str, cases: Mapping[str, Mapping[str, object]], **options: object) -> dict[str, Run]:
-    """A run of the paper's simulation without noise for each case."""
+    """Runs of the paper's simulation without noise, one for each case."""
     preset = options.pop("scenario", "paper-simulation-nominal")
     return {
         label: wmr_ctrl.simulate(preset, law, overrides=case, **options)  # type: ignore[arg-type]
@@ -92,11 +92,11 @@ def limits() -> Figure:
 
 
 PERIODS = (0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.125)
-"""Control periods that are tried [s]."""
+"""Control periods of the picture [s]."""
 
 
 def period() -> Figure:
-    """Largest speed over the period, by law, and what 100 ms do to the velocity."""
+    """Plot the largest speed against the period, by law, and the velocity at 100 ms."""
     figure, left, right = pair("Largest speed over its limit", "v1 at 100 ms")
     for law, guard in (("mb", False), ("nn", False), ("prox", False), ("mb", True)):
         shown, label = look(law), look(law).label + (", guarded" if guard else "")
@@ -124,13 +124,13 @@ def at_period(step: float) -> dict[str, object]:
 
 
 def fastest(law: str, step: float, guard: bool) -> float:
-    """Largest |v_i| over its limit, of the worse axis."""
+    """Largest |v_i| divided by its limit, for the worse axis."""
     run = wmr_ctrl.simulate("paper-simulation-nominal", law, guard=guard, overrides=at_period(step))
     return max(v / u for v, u in zip(run.monitor.max_abs_v, run.settings.v_u1, strict=True))
 
 
 def path_gains() -> Figure:
-    """Error to the left for three k[2], error ahead for three k[1]."""
+    """Plot the error to the left for three k[2], and the error ahead for three k[1]."""
     figure, left, right = pair("Error to the left", "Error ahead")
     sideways = {f"k[2] = {k:g}": {"gains.kinematics.k": [10.0, k, 4.0]} for k in (5.0, 20.0, 60.0)}
     ahead = {f"k[1] = {k:g}": {"gains.kinematics.k": [k, 5.0, 4.0]} for k in (1.0, 3.0, 10.0)}
@@ -142,7 +142,7 @@ def path_gains() -> Figure:
 
 
 def law_gains() -> Figure:
-    """Velocity and torque for three decay rates, from rest on the reference."""
+    """Plot velocity and torque for three decay rates, from rest on the reference."""
     figure, left, right = pair("Velocity", "Torque of the right wheel")
     at_rest = wmr_ctrl.simulate("paper-simulation-nominal", "prox")
     start = [float(at_rest[name][0]) for name in ("x_d", "y_d", "theta_d")]
@@ -160,7 +160,7 @@ def law_gains() -> Figure:
 
 
 def drawn(axes: Axes, cases: Mapping[str, Mapping[str, object]], column: str, end: float) -> None:
-    """A column of prox's runs up to a time, for three cases."""
+    """Draw a column of runs of prox up to a given time, for three cases."""
     for shade, (name, run) in zip(SHADES, runs("prox", cases).items(), strict=True):
         rows = run.time <= end
         axes.plot(run.time[rows], run[column][rows], color=shade, label=name)
@@ -169,7 +169,7 @@ def drawn(axes: Axes, cases: Mapping[str, Mapping[str, object]], column: str, en
 
 
 def guard_price() -> Figure:
-    """Usable speed over the period for three bounds of the push."""
+    """Plot the usable speed against the period for three bounds of the push."""
     figure = Figure(figsize=(5.4, 2.8), layout="constrained", dpi=110)
     axes = figure.subplots()
     periods = np.linspace(0.005, 0.15, 30)
@@ -195,7 +195,7 @@ def priced(step: float, push: float, mean: bool) -> float:
 
 
 def guard_dbar() -> Figure:
-    """Velocity of prox from far away with the guard, for three bounds of the push."""
+    """Plot the velocity of prox from far away with the guard, for three bounds of the push."""
     figure = Figure(figsize=(5.4, 2.8), layout="constrained", dpi=110)
     axes = figure.subplots()
     cases = {
@@ -215,13 +215,13 @@ def guard_dbar() -> Figure:
 
 
 def robot() -> Figure:
-    """The first tutorial's drive, from the files on its page."""
+    """Plot the first tutorial's drive, from the files on its page."""
     page = (ROOT / "docs" / "tutorials" / "robot.md").read_text(encoding="utf-8")
     return drive(page).plot()
 
 
 def drive(page: str) -> Run:
-    """The run of a page's scenario."""
+    """Run of the scenario on a page."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text in re.findall(r"<!-- file: (\S+) -->\n```\w+\n(.*?)```", page, re.S):
             (Path(folder) / name).write_text(text, encoding="utf-8")
@@ -229,7 +229,7 @@ def drive(page: str) -> Run:
 
 
 def identified() -> Figure:
-    """The fit of the page's log."""
+    """Draw the fit of the log on the identification page."""
     docs = ROOT / "docs"
     page = (docs / "identify.md").read_text(encoding="utf-8")
     (known,) = re.findall(r"<!-- file: known.toml -->\n```\w+\n(.*?)```", page, re.S)
@@ -242,17 +242,17 @@ def identified() -> Figure:
 
 
 def velocity() -> Figure:
-    """The report's panel of linear velocities."""
+    """Draw the report's panel of linear velocities."""
     return reported("fig3c_v1")
 
 
 def stress() -> Figure:
-    """The report's picture of where the guarantee ends."""
+    """Draw the report's picture of where the guarantee ends."""
     return reported("stress_velocities")
 
 
 def reported(name: str) -> Figure:
-    """A figure of the report; all that it shows is of the first seed."""
+    """Draw a figure of the report; it needs the first seed only."""
     plan = paper_plan(PAPER_LAWS, 1)
     campaign = run_campaign(plan)
     return next(item for item in all_drawings(campaign) if item.name == name).figure()
@@ -274,7 +274,7 @@ PICTURES: Mapping[str, Callable[[], Figure]] = {
 
 
 def guard() -> list[Run]:
-    """The model-based law from far away, mass and friction drop at 3 s: without the guard, with."""
+    """Animate the model-based law from far away, without and with the guard."""
     numbers = {"disturbance.truncate": 3.0, "clock.duration": 12.0, "metrics.split": 6.0}
     return [
         wmr_ctrl.simulate("far-start-drop", "mb", guard=on, overrides=numbers)
@@ -305,7 +305,7 @@ def in_gallery() -> list[tuple[str, Path]]:
 
 
 def by_command(command: str, target: Path) -> None:
-    """The picture that a command plots, in few colours."""
+    """Save the picture that a command plots, with few colours."""
     words = command.split()
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder, words[words.index("--plot") + 1])
@@ -318,7 +318,7 @@ def by_command(command: str, target: Path) -> None:
 
 
 def lighten(path: Path) -> None:
-    """Leave every second frame of a film, shown twice as long: pages are read by phones, too."""
+    """Keep every second frame of an animation, shown twice as long, for readers on phones."""
     with Image.open(path) as film:
         frames = [frame.copy() for frame in ImageSequence.Iterator(film)][::2]
         pace = 2 * int(film.info["duration"])
@@ -326,7 +326,7 @@ def lighten(path: Path) -> None:
 
 
 def main(names: list[str]) -> None:
-    """Draw what is named, or everything."""
+    """Draw the named pictures, or all."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     if not names or "gallery" in names:
         for command, target in in_gallery():

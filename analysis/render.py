@@ -1,7 +1,7 @@
 """Run every notebook, write its figures into docs/notebooks, and a small one for README.md.
 
-``python analysis/render.py`` does all, with a name (``05-sample-time``) one.  A cell that raises,
-a fact that no longer holds for one, ends the command with its message.
+``python analysis/render.py`` runs all; with a name (``05-sample-time``) one. A cell that raises,
+such as a fact that no longer holds, ends the command with its message.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ TARGET = HERE.parent / "docs" / "notebooks"
 FIGURES = HERE / "figures"
 """One small figure of each notebook, which README.md shows."""
 SHOWN = {"02": 1, "05": 1, "10": 1, "11": 2}
-"""Which figure of a notebook that is, where it is not the first."""
+"""Index of the figure that stands for a notebook, if not the first."""
 COLOURS, WIDEST = 48, 720
-"""Colours and pixels of such a figure."""
+"""Number of colours, and width in pixels, of a small figure."""
 INDEX = """\
 # Notebooks: one question each
 
@@ -46,9 +46,9 @@ def notebooks(names: list[str]) -> list[Path]:
 
 @contextmanager
 def kernel(folder: Path) -> Iterator[KernelManager]:
-    """A kernel for notebooks in turn: each begins without names, but imports are loaded once.
+    """Kernel for one notebook after another: each starts with no names; modules are loaded once.
 
-    It works in ``folder``, where nothing of the repository lies.
+    Its working directory is ``folder``, which has no file of the repository.
     """
     environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "PYTHONWARNINGS": "ignore"}
     environment["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # figures as outputs
@@ -61,7 +61,7 @@ def kernel(folder: Path) -> Iterator[KernelManager]:
 
 
 def executed(path: Path, manager: KernelManager) -> nbformat.NotebookNode:
-    """The notebook with outputs; raises CellExecutionError where a cell fails."""
+    """Run a notebook and return it with outputs; raises CellExecutionError if a cell fails."""
     book = nbformat.read(path, as_version=4)
     book.cells.insert(0, nbformat.v4.new_code_cell("get_ipython().reset(new_session=True)"))
     client = NotebookClient(book, km=manager, timeout=LONGEST_RUN, allow_errors=False)
@@ -75,7 +75,7 @@ def executed(path: Path, manager: KernelManager) -> nbformat.NotebookNode:
 
 
 def write(book: nbformat.NotebookNode, name: str) -> Path:
-    """Pictures, and a page that shows them, in TARGET; the site adds the notebook's prose."""
+    """Write pictures, and a page that shows them, to TARGET; the site adds the notebook's text."""
     folder = TARGET / f"{name}_files"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -91,7 +91,7 @@ def write(book: nbformat.NotebookNode, name: str) -> Path:
 
 
 def figures(opening: str, name: str, folder: Path) -> str:
-    """A page with the notebook's title and its pictures."""
+    """Markdown page with the notebook's title and its pictures."""
     title = opening.partition("\n")[0]
     files = _in_order(folder)
     shown = "\n\n".join(f"![Figure]({folder.name}/{file.name})" for file in files)
@@ -100,7 +100,7 @@ def figures(opening: str, name: str, folder: Path) -> str:
 
 
 def small_figure(folder: Path, name: str) -> Path:
-    """The figure of a notebook for README.md, in few colours, on white."""
+    """Write the figure of a notebook for README.md, in few colours, on white."""
     files = _in_order(folder)
     picture = Image.open(files[SHOWN.get(name[:2], 0)])
     picture.thumbnail((WIDEST, WIDEST))
@@ -117,7 +117,7 @@ def _in_order(folder: Path) -> list[Path]:
 
 
 def index() -> Path:
-    """The pages' contents: the questions of the notebooks' own index."""
+    """Index page of the notebooks, with the questions of ``analysis/README.md``."""
     rows = re.findall(
         r"^\| (.+?) \| \[\d\d\]\(([\w-]+)\.ipynb\)",
         (HERE / "README.md").read_text(encoding="utf-8"),
@@ -130,7 +130,7 @@ def index() -> Path:
 
 
 def main(names: list[str]) -> None:
-    """Render what is named, or everything."""
+    """Render the named notebooks, or all."""
     sys.stderr.write(f"{index().relative_to(HERE.parent)}\n")
     with tempfile.TemporaryDirectory() as folder, kernel(Path(folder)) as manager:
         for path in notebooks(names):

@@ -1,8 +1,8 @@
-"""Speed that bounds of v and of omega apart give back: ``python -m benchmarks.axes``.
+"""Speed gained by separate bounds of v and omega: ``python -m benchmarks.axes``.
 
 Each row is a base whose axes differ, once with one interval that holds both axes and once with one
-for each.  It counts the speed at rest of one axis, asked for ten times its limit; nothing pushes
-it, and odometry is right.
+for each. The figure is the steady speed of one axis with a request of ten times its limit, without
+pushes and with exact odometry.
 """
 
 from __future__ import annotations
@@ -34,9 +34,10 @@ SKIDS = {"filter.gain": ((0.95, 1.05), (0.8, 1.5))}
 
 @dataclass(frozen=True)
 class Case:
-    """A base: its scenario, numbers stated for both axes and for each, and the axis that is judged.
+    """Base: its scenario, bounds for both axes together and for each, and the axis that is
+    measured.
 
-    ``gain`` and ``tau`` [s] are those of the base that is driven, ``late`` [s] its delay.
+    ``gain``, ``tau`` [s] and delay ``late`` [s] are the true ones.
     """
 
     preset: str
@@ -88,7 +89,7 @@ def rest(scenario: Scenario, case: Case) -> float:
 
 
 def rows() -> Iterator[tuple[str, float, float, float]]:
-    """Each case with the limit, and the speed with one interval for both axes and with one each."""
+    """Rows: each case, its limit, and its speed with common and with separate intervals."""
     for name, case in CASES.items():
         speeds = [
             rest(load_scenario(case.preset, {**case.stated, **own}), case)

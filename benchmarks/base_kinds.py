@@ -15,7 +15,7 @@ SEEDS, LATER_SEEDS = 100, 5000
 
 
 def first(r: np.random.Generator, loop: str = "first-order") -> Drawn:
-    """A base that a scenario can say, with draws of every number."""
+    """Base that a scenario can describe, with random numbers."""
     low, high = (0.06, 0.3) if loop == "first-order" else (5.0, 13.0)
     gains = (1.0, 1.0) if loop == "pi" else r.uniform(0.7, 1.2, 2)
     axes = [Axis(loop, float(g), first=float(r.uniform(low, high)), zeta=float(r.uniform(0.45, 1)))
@@ -29,7 +29,7 @@ def first(r: np.random.Generator, loop: str = "first-order") -> Drawn:
 
 
 def of(truth: Mapping[str, object] = {}, **drive: object) -> Callable[[np.random.Generator], Drawn]:
-    """A kind with other numbers of the base or of the drive."""
+    """Variant of a kind, with other numbers of the base or of the drive."""
 
     def drawn(r: np.random.Generator) -> Drawn:
         base, way = first(r)
@@ -41,7 +41,7 @@ def of(truth: Mapping[str, object] = {}, **drive: object) -> Callable[[np.random
 def both(
     numbers: Callable[[np.random.Generator, float], Mapping[str, float]], seconds: float = 60.0
 ) -> Callable[[np.random.Generator], Drawn]:
-    """A kind with other numbers of each axis, by its largest command."""
+    """Variant of a kind, with other numbers of each axis, given its largest command."""
 
     def drawn(r: np.random.Generator) -> Drawn:
         base, way = first(r)
@@ -67,7 +67,7 @@ def noisy(r: np.random.Generator) -> Drawn:
 
 
 def wheels(least: float, most: float) -> Callable[[np.random.Generator], Drawn]:
-    """Wheels with a least or a largest speed, as shares of what both commands ask for."""
+    """Wheels with a least or a largest speed, as shares of the speed that both commands require."""
 
     def drawn(r: np.random.Generator) -> Drawn:
         base, way = first(r)
@@ -80,20 +80,20 @@ def wheels(least: float, most: float) -> Callable[[np.random.Generator], Drawn]:
 
 
 def ceasing(r: np.random.Generator) -> Drawn:
-    """Commands that cease, and a base that stops by itself."""
+    """Commands that end, and a base that stops by itself."""
     base, way = first(r)
     way = replace(way, period=0.05, held=(0.5, 1.2), silent=(4.0, 8.0), seconds=64.0)
     return replace(base, timeout=round(float(r.uniform(0.3, 1.0)), 2)), way
 
 
 def falling(r: np.random.Generator) -> Drawn:
-    """A gain that falls."""
+    """Gain that falls with time."""
     base, way = first(r)
     return replace(base, then=(float(r.uniform(12, 28)), int(r.integers(2)), 0.8)), way
 
 
 def averaging(r: np.random.Generator) -> Drawn:
-    """A sensor that tells the mean of the last moments."""
+    """Sensor that measures a moving mean."""
     base, way = first(r, str(r.choice(["second-order", "pi"])))
     return replace(base, mean=float(r.uniform(0.05, 0.2))), way
 
@@ -147,5 +147,5 @@ KINDS = {**GOOD, **BAD}
 
 
 def first_seed(kind: str) -> int:
-    """First seed of a kind: every third kind has seeds of its own."""
+    """First seed of a kind; every third kind has its own seeds."""
     return LATER_SEEDS if [*KINDS].index(kind) % 3 == 2 else SEEDS

@@ -1,7 +1,7 @@
 """The cheap measures, in about a minute: what ``wmr-ctrl bench`` runs and prints.
 
-All ratios come from rounds that take turns in three fresh processes.  Above 1 the first of the two
-named takes longer.  A ratio that cannot be measured here is a line of the table with the reason.
+All ratios come from interleaved rounds in three fresh processes. Above 1 the first of the two
+named takes longer. A ratio that cannot be measured here has a line with the reason.
 """
 
 from __future__ import annotations

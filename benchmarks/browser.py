@@ -1,4 +1,4 @@
-"""A headless Chromium that is told by its DevTools protocol, over a pair of pipes."""
+"""Headless Chromium, controlled by its DevTools protocol over a pair of pipes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FLAGS = (
 
 
 class Browser:
-    """One page; ``said`` are errors of its console and its script."""
+    """One page; ``said``: errors from its console and script."""
 
     def __init__(self, process: subprocess.Popen[bytes], to: int, back: int) -> None:
         self._process, self._to, self._back = process, to, back
@@ -35,7 +35,7 @@ class Browser:
             self._call(f"{domain}.enable")
 
     def show(self, width: int, height: int, *, dark: bool = False, touch: bool = False) -> None:
-        """The window's size in pixels, and what its user prefers."""
+        """Set the window's size in pixels and its user's preferences."""
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": touch}
         self._call("Emulation.setDeviceMetricsOverride", size)
         self._call("Emulation.setTouchEmulationEnabled", {"enabled": touch})
@@ -62,13 +62,13 @@ class Browser:
         return found["result"].get("value")
 
     def press(self, key: str, code: str = "") -> None:
-        """A key goes down and up."""
+        """Press and release a key."""
         named = {"key": key, "code": code or key, "text": key if len(key) == 1 else ""}
         self._call("Input.dispatchKeyEvent", {"type": "keyDown", **named})
         self._call("Input.dispatchKeyEvent", {"type": "keyUp", **named})
 
     def mouse(self, kind: str, x: float, y: float) -> None:
-        """The mouse is pressed, moved or released at a place of the window."""
+        """Press, move or release the mouse at a place in the window."""
         left = {"button": "left", "buttons": 1, "clickCount": 1}
         self._call("Input.dispatchMouseEvent", {"type": f"mouse{kind}", "x": x, "y": y, **left})
 
@@ -113,7 +113,7 @@ class Browser:
 
 @contextmanager
 def browser(program: str, folder: Path) -> Iterator[Browser]:
-    """A browser, by the path of its program, with its files in a folder."""
+    """Start a browser from the path of its program, with its files in ``folder``."""
     there, to = os.pipe()
     back, here = os.pipe()
 

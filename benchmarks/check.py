@@ -1,9 +1,9 @@
 """CPU seconds of `wmr-ctrl check`: ``python -m benchmarks.check [PRESET ...] [--law LAW,...]``.
 
-A row for each preset and a column for each law, and one for all of them at once; without corridors.
-Each call is a process of its own, with a mass or limits that no call had before, so that nothing
-but compiled code is found again.  Told is what all of its threads and compilers use; the first call
-of a preset, which compiles, is not told.
+The table has a row for each preset, a column for each law and one for all laws at once; corridors
+are left out. Each call is a process of its own, with a mass or limits that no call had before, so
+that only compiled code is reused. The time includes all threads and compilers; the first call of a
+preset, which compiles, is not reported.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ ALL = "all"
 
 
 def unseen(scenario: Scenario, share: float) -> tuple[str, ...]:
-    """An override that no call had before: the mass or both limits, larger by a ``share``."""
+    """Override that no call had before: the mass or both limits, larger by ``share``."""
     if random.random() < 0.5:
         return "--set", f"robot.m={scenario.robot.m * (1 + share)!r}"
     linear, angular = (limit * (1 + share) for limit in scenario.limits.v_u1)

@@ -37,12 +37,12 @@ LOW, HIGH = np.array((45.0, 4.86)), np.array((71.5, 7.7))
 DBAR = np.array((60.0, 15.0))
 LIMIT = np.array((1.0, 1.5))
 HORIZON, LONGEST = 8, 0.05
-"""Steps that a predictive controller looks ahead, and how long one is at least [s]."""
+"""Steps in a predictive controller's horizon, and least length of a step [s]."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """Control period and delay [s], and how long runs last [s]."""
+    """Control period, delay, and duration of runs [s]."""
 
     period: float
     delay: float
@@ -66,7 +66,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Contender:
-    """A name, the gains to start from, and how a controller is made of gains."""
+    """Name, initial gains, and function from gains to a controller."""
 
     name: str
     start: Callable[[Case], dict[str, tuple[float, ...]]]
@@ -93,7 +93,7 @@ def law(name: str, *, guard: bool) -> Contender:
 
 
 def filtered(title: str, ceiling: Callable[[Case, Floats], Floats]) -> Contender:
-    """prox behind a filter: its force is cut at +-``ceiling`` of +-v (2)."""
+    """Contender: prox with its force limited to ``ceiling(v)`` and -``ceiling(-v)`` (2)."""
 
     def build(case: Case, gains: Mapping[str, tuple[float, ...]]) -> Step:
         setup = settle(_with(override(case.scenario, {"guard.enabled": False}), gains), "prox")
@@ -182,7 +182,7 @@ class _Predictive:
         return solver, np.tile(one_low, HORIZON), np.tile(one_high, HORIZON)
 
     def step(self, rows: Floats, state: Floats, before: Floats) -> Floats:
-        """Observe, predict to when the command acts, solve, take the first force."""
+        """Observe, predict the state at which the command acts, solve, return the first torque."""
         applied = _force(before)
         if self.old is not None:
             gained = self.mass * (state[3:] - self.old) / self.case.period
@@ -213,7 +213,7 @@ class _Predictive:
 
 
 def contenders() -> tuple[Contender, ...]:
-    """All of them, in the order of the tables."""
+    """All contenders, in the order of the tables."""
     return (
         law("prox", guard=True), law("kanayama", guard=False), law("kanayama", guard=True),
         law("mb", guard=True), law("nn", guard=True),

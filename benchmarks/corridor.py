@@ -30,14 +30,14 @@ from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import Scenario, override
 
 NAME = "corridor"
-"""Of the part of the page that this writes."""
+"""Name of the page's part that this module writes."""
 EXACT = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
 NARROW = 1e-3
-"""Truncation, in standard deviations, that makes a Gaussian a uniform number to one part in 1e6."""
+"""Truncation [standard deviations] that makes a Gaussian uniform to one part in 1e6."""
 ENDS = (0.06, 0.08, 0.16, 0.5, 1.0)
-"""Of the samples: when pushes on a heavier robot lead farthest; what its mass does passes soon."""
+"""Attacked ends among the samples for a heavier robot; the effect of its mass decays soon."""
 LASTS = 10.0
-"""Length of a random run [s]."""
+"""Duration of a random run [s]."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,11 @@ class Case:
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario, without changes on the way but those that it names."""
+        """Scenario, without changes during the run except those that the case names."""
         return scenario_of(self.preset, {"changes": [], **self.changed})
 
     def robot(self, times: float = 1.0) -> Scenario:
-        """The scenario of one robot; of a "mass" the heaviest, so many times as heavy."""
+        """Scenario of one robot; for "mass" the heaviest, ``times`` as heavy."""
         if self.kind != "mass":
             return self.scenario
         m, inertia = (times * most for most in self.scenario.guard.M_max or ())
@@ -149,7 +149,7 @@ def random_runs(case: Case, runs: int) -> float:
 
 
 def reached(case: Case, push: float, times: float) -> float:
-    """Distance [m] that the adversary reaches, bounds being so many times as large."""
+    """Distance [m] that the adversary reaches with bounds that are ``times`` as large."""
     if case.kind == "push":
         return farthest(case.scenario, case.law, case.samples, push, times).position
     if case.kind == "mass":
@@ -187,7 +187,7 @@ def row(case: Case, runs: int) -> str:
 
 
 def table(runs: int) -> str:
-    """The whole table, and a sentence on the runs behind it."""
+    """Whole table, and a sentence about its runs."""
     rows = []
     for case in CASES:
         rows.append(row(case, runs))

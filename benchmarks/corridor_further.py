@@ -1,10 +1,9 @@
 """The certified corridor against further adversaries, each with a loop of its own.
 
-``python -m benchmarks.corridor_further [--quick] [--out PAGE]``: a table of
-benchmarks/results.md.  Bases that take velocities, commands that take over when it hurts,
-poses that are lost (`tests.corridor.further`).
-A row has the most that worst signs reach at the bound and a fifth beyond it, and from how many
-times the bound on some of them leave the corridor.
+``python -m benchmarks.corridor_further [--quick] [--out PAGE]``: a table of benchmarks/results.md.
+Bases that take velocities, commands that take over when it hurts, poses that are lost
+(`tests.corridor.further`). A row has the largest distance with worst signs at the bound and a fifth
+beyond it, and the multiple of the bound from which on a loop leaves the corridor.
 """
 
 from __future__ import annotations
@@ -16,14 +15,14 @@ from tests.corridor.further import ROWS
 from wmr_ctrl.theory.corridor import find_corridor
 
 NAME = "corridor further"
-"""Of the part of the page that this writes."""
+"""Name of the page's part that this module writes."""
 HEAD = ("case (mm)", "certified", "adversary", "ratio", "a fifth beyond", "leaves", "leaves from")
 FIFTH, FINE = 1.2, 0.01
-"""What is looked at of each case, and the steps in which a bound is exceeded until one leaves."""
+"""A bound exceeded by a fifth, and the step by which it is exceeded until a loop leaves."""
 
 
 def row(words: str) -> str:
-    """One line of the table; SystemExit where a run within its bounds is outside."""
+    """One line of the table; SystemExit if a run within its bounds is outside."""
     case = ROWS[words]()
     most = find_corridor(case.scenario, case.law).position or 0.0
     first, beyond = case.reach(1.0), case.reach(FIFTH)

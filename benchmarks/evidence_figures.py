@@ -106,7 +106,7 @@ class _StressCase:
     error: bool = False
 
     def values(self, run: Run) -> Floats:
-        """The used share of the limit, or e1 [m]."""
+        """Share of the limit that is used, or e1 [m]."""
         return run["e[1]"] if self.error else 1.0 - run["margin"]
 
 
@@ -139,7 +139,7 @@ def _draw_stress(figure: Figure, runs: Runs) -> None:
 
 
 def _panel_stress(axes: Axes, case: _StressCase, runs: Mapping[str, Run]) -> None:
-    """A case over time; an arrow for each law that leaves the axes."""
+    """Draw a case over time, with an arrow for each law that leaves the axes."""
     axes.set_title(case.title, size=8, weight="normal", pad=3)
     for place, (law, run) in enumerate(runs.items()):
         seen, y = look(law), case.values(run)

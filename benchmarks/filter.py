@@ -42,7 +42,7 @@ CASES: Mapping[str, tuple[Mapping[str, Any], int, float]] = {
     "that, odometry 100 ms old": (BESIDE, 20_000, 0.1),
     "band of 50 commands": (BANDED, 10_000, 0.0),
 }
-"""Settings, steps of a round, and the age of odometry [s]."""
+"""Cases: settings, steps per round, and age of odometry [s]."""
 FLOOR = "clip by hand"
 
 

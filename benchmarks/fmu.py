@@ -54,7 +54,7 @@ def empty(steps: int) -> Candidate:
 
 @cache
 def _temporary() -> tempfile.TemporaryDirectory[str]:
-    """A folder that goes when this process ends."""
+    """Folder that is deleted when this process ends."""
     return tempfile.TemporaryDirectory(prefix="wmr_ctrl-bench-", ignore_cleanup_errors=True)
 
 

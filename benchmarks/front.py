@@ -26,12 +26,12 @@ from wmr_ctrl.world.scenario import Scenario
 
 LAWS = ("prox", "kanayama")
 TRIALS, LONG, WEIGHT = 400, 800, 1e-3
-"""Sets of gains that are tried, and at periods of 100 ms; what 1 N m of torque change costs [m]."""
+"""Sets of gains tried; the number for 100 ms; cost of 1 N m of torque change [m]."""
 SEEDS, TEST_SEEDS = range(1, 4), range(7101, 7106)
 SPEED = 0.2
-"""Of the reference that is trained on [m/s]."""
+"""Speed of the training reference [m/s]."""
 NAME = "front"
-"""Of the part of the page that this writes."""
+"""Name of the page's part that this module writes."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,11 @@ class Case:
 
     @property
     def trials(self) -> int:
-        """Sets of gains that are tried."""
+        """Number of sets of gains tried."""
         return LONG if self.period >= 0.1 else TRIALS
 
     def start(self, law: str) -> Scenario:
-        """The guarded circle with poles of the guide; the guard is off in all that follows."""
+        """Initial scenario: the circle with the guide's poles; the guard is switched off."""
         gains = guide(self.period, self.delay, SPEED, predicted=True)
         rates = [rate / 2 for rate in gains.rho]
         own = {
@@ -67,7 +67,7 @@ class Case:
         )  # fmt: skip
 
     def tuned(self, law: str, work: Path, trials: int) -> Path:
-        """The file with the gains that a search found, made unless it is there."""
+        """File with the gains that a search found; the search runs if there is none."""
         name = f"{law}-{1e3 * self.period:g}ms-{1e3 * self.delay:g}ms-{trials}.toml"
         if not (work / name).exists():
             tune(self.start(law), law, work / name, seeds=SEEDS, test_seeds=TEST_SEEDS,
@@ -99,7 +99,7 @@ class Place:
 
 
 def places(case: Case, work: Path, trials: int) -> list[Place]:
-    """Both laws in a case."""
+    """Figures of both laws in a case."""
     found = []
     for law in LAWS:
         scenario = scenario_of(case.tuned(law, work, trials))

@@ -34,38 +34,38 @@ LATE: Fields = {"actuator.unmodelled_delay": 5e-3, "guard.enabled": False}
 ALL: Fields = {**POSES, **VELOCITIES, **LATE}
 ERRORS: Sequence[Fields] = ({}, POSES, VELOCITIES, LATE, ALL)
 BRIEF: Fields = {"clock.duration": 20.0, "metrics.split": 10.0, "metrics.rms_from": 0.0}
-"""Runs of a search: after 5 s the start is over."""
+"""Duration of a search's runs: the initial transient ends within 5 s."""
 
 
 def sharing(wo: float) -> Fields:
-    """Gains for the k that laws share, k1 = 16.8: a search for the RMS finds all except wo."""
+    """Gains with the shared k, k1 = 16.8, and this wo; a search for the RMS found the others."""
     return {"gains.prox": {"rho": [42.9, 21.74], "wo": wo}}
 
 
 FOUND = 2.301
-"""wo that a search for the RMS finds."""
+"""Observer bandwidth wo [1/s] that a search for the RMS finds."""
 SHARED, OWN = (FOUND, 5.0, 10.0, 20.0), (5.0, 13.0, 20.0)
 """Bandwidths of the observer, with the k that laws share and with prox's own."""
 SEEDS, TRAIN, TEST = range(8), range(1, 3), range(7101, 7103)
 TRIALS, WEIGHT, SPEED = 180, 5e-3, 0.2
-"""Sets of gains of a search, the price of torque change in it [m/(N m)]; v1_d [m/s]."""
+"""Number of a search's sets of gains, its weight of torque change [m/(N m)], and v1_d [m/s]."""
 EXACT: Fields = {"sensor.pose_period": 0.0, "sensor.pose_noise": 0.0, "sensor.correction": 1.0}
 PACES = (1.5, 0.7)
-"""Periods for which `guide` places poles, over the preset's."""
+"""Periods for which `guide` places poles, divided by the preset's period."""
 
 
 def width(tube: Corridor) -> str:
-    """A corridor's width [mm], or that there is none."""
+    """Text with a corridor's width [mm], or that there is none."""
     return "none" if tube.position is None else millimetres(tube.position)
 
 
 def runs_of(scenario: Scenario, law: str, seeds: Sequence[int], more: Fields) -> RunTable:
-    """The judged columns of all seeds."""
+    """Figures of the runs of all seeds."""
     return simulate_many(override(scenario, more), law, seeds)
 
 
 def row(words: str, scenario: Scenario, law: str, seeds: Sequence[int]) -> str:
-    """A set of gains on the robot that does not change: corridors [mm], runs."""
+    """Row for a set of gains on the robot without changes: corridors [mm] and figures of runs."""
     steady = override(scenario, {"changes": []})
     widths = [width(find_corridor(override(steady, more), law)) for more in ERRORS]
     exact, noisy = (
@@ -78,7 +78,7 @@ def row(words: str, scenario: Scenario, law: str, seeds: Sequence[int]) -> str:
 
 
 def searched(law: str, work: Path, trials: int) -> Scenario:
-    """The gains that a search finds, all errors at once."""
+    """Gains that a search finds with all errors at once."""
     path = work / f"{law}-{trials}.toml"
     if not path.exists():
         start = scenario_of("safe-simulation", {"changes": [], **sharing(FOUND), **ALL, **BRIEF})
@@ -89,7 +89,7 @@ def searched(law: str, work: Path, trials: int) -> Scenario:
 
 
 def told(scenario: Scenario, law: str) -> str:
-    """The gains of a law in words."""
+    """Text with the gains of a law."""
     setup = settle(scenario, law)
     own = {"k": setup.kinematics.k, **vars(setup.gains)}
     names = {"prox": ("k", "rho", "wo"), "kanayama": ("k", "rate", "wo", "a_max")}[law]
@@ -126,7 +126,7 @@ def poles(gains: Guide) -> Fields:
 
 
 def second(quick: bool) -> str:
-    """The table of safe-experiment: with how much of its noise there is a corridor; runs."""
+    """Table of safe-experiment: the share of its noise with a corridor, and figures of runs."""
     ships = scenario_of("safe-experiment")
     period = ships.clock.control
     sets: dict[str, Fields] = {f"as it ships, poles for {1e3 * period:g} ms": {}}
@@ -147,13 +147,13 @@ def second(quick: bool) -> str:
 
 
 def _share(tube: Corridor) -> str:
-    """Share of pushes and errors with which there is a corridor."""
+    """Share of pushes and errors for which there is a corridor."""
     share = 1.0 if tube.position is not None else tube.closes
     return "nothing" if share is None else f"{rounded(100 * share, 2, up=False)} %"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Search what is not found yet, and print both tables."""
+    """Run the missing searches, and print both tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few gains, few trials")
     parser.add_argument("--work", type=Path, default=Path("build/gains"), help="what is kept")

@@ -37,7 +37,7 @@ def scenario(control: float = 1e-2) -> Scenario:
 
 @cache
 def settled(law: str, control: float = 1e-2) -> Settled:
-    """That with a law."""
+    """Settled scenario with a law."""
     return settle(scenario(control), law)
 
 
@@ -97,7 +97,7 @@ EXACT: Mapping[str, object] = {
     "sensor.pose_noise": 0.0,
     "sensor.correction": 1.0,
 }
-"""What takes all sensors' errors out of the preset robot-10ms."""
+"""Overrides that remove all sensor errors from the preset robot-10ms."""
 
 
 def robot(changes: Mapping[str, object]) -> Candidate:

@@ -1,8 +1,8 @@
 """A graphics processor against the processor beside it: ``python -m benchmarks.gpu bits | speed``.
 
-``bits``: figures and columns of so many runs of each law, guard on and off, on a robot with
-encoders and delay, on both, to the bit.  ``speed``: a million runs, the same on all cores, and the
-same graphs as a scan of JAX on the same device.  Needs CuPy and a device; JAX if it is there.
+``bits`` compares figures and columns of many runs of each law bit by bit, with the guard on and
+off, on a robot with encoders and delay. ``speed``: a million runs, the same on all cores, and the
+same graphs as a scan of JAX on the same device. Needs CuPy and a device; JAX if it is there.
 """
 
 import hashlib
@@ -25,12 +25,12 @@ from wmr_ctrl.simulation.engines import runnable
 from wmr_ctrl.simulation.memory import Task
 
 RUNS = 1000
-"""Of each law, guard on and off."""
+"""Number of runs of each law with the guard on, and off."""
 ROBOT = "robot-10ms"
 """Encoders, dead reckoning, delay and lag, disturbances."""
 MILLION = 1_000_000
 PACE = 20_000
-"""Runs that tell the pace of all cores."""
+"""Number of runs for timing all cores."""
 
 
 def hashed(array: np.ndarray) -> str:
@@ -55,7 +55,7 @@ def hashes(scenario: str, law: str, guard: bool, device: str, runs: int) -> tupl
 
 
 def compared(case: tuple[str, str, bool, int]) -> tuple[str, bool, str]:
-    """A case in words, whether both devices agree, and the hashes or the refusal."""
+    """Name of a case, whether both devices agree, and the hashes or the refusal."""
     scenario, law, guard, runs = case
     words = f"{law}, guard {'on' if guard else 'off'}"
     try:
@@ -66,7 +66,7 @@ def compared(case: tuple[str, str, bool, int]) -> tuple[str, bool, str]:
 
 
 def bits(runs: int = RUNS) -> int:
-    """Print whether the devices agree, a case a line; the number of cases that do not."""
+    """Print for each case whether the devices agree; return the number of cases that differ."""
     cases = [(ROBOT, law, guard, runs) for law in LAWS for guard in (False, True)]
     wrong = 0
     with ProcessPoolExecutor(cores(), get_context("spawn")) as pool:
@@ -77,7 +77,7 @@ def bits(runs: int = RUNS) -> int:
 
 
 def paced(scenario: str, law: str, device: str, runs: int) -> float:
-    """Seconds for so many runs with figures, after a first few that compile and load."""
+    """Time [s] of ``runs`` runs with figures, after some that compile and load."""
     loop = runnable(scenario_of(scenario), law, device=device)
     run_tasks([Task(loop, seed) for seed in range(64)])
     tasks = [Task(loop, seed) for seed in range(runs)]
@@ -87,7 +87,7 @@ def paced(scenario: str, law: str, device: str, runs: int) -> float:
 
 
 def varied(runs: int) -> float:
-    """Seconds for so many runs of 2048 robots, which differ in mass and friction."""
+    """Time [s] of ``runs`` runs of 2048 robots with different mass and friction."""
     base, rng = scenario_of("safe-simulation"), np.random.default_rng(0)
     loops = [
         runnable(scenario_of(base, {"robot.m": m, "robot.mu": mu}), "prox", device="gpu")
@@ -101,7 +101,7 @@ def varied(runs: int) -> float:
 
 
 def speed(million: int = MILLION) -> Iterator[str]:
-    """Lines of the table."""
+    """Lines of the table of times."""
     for law in ("prox", "nn"):
         scenario = "safe-simulation" if law == "prox" else "paper-simulation"
         gpu = paced(scenario, law, "gpu", million) * MILLION / million
@@ -131,7 +131,7 @@ def peers() -> Iterator[str]:
 
 
 def main(words: Sequence[str]) -> int:
-    """Run what is asked for; 1 where bits differ."""
+    """Run the named part; returns 1 if bits differ."""
     if "bits" in words:
         return int(bits() > 0)
     for line in speed():

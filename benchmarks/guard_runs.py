@@ -18,11 +18,11 @@ from wmr_ctrl.simulation.campaign.plan import MOST_SEEDS_EACH, Overrides, Planne
 SCENARIO = "paper-simulation"
 OUR_LAWS = ("pid", "smc", "mb", "nn", "prox", "kanayama")
 HELD_OUT = (300, 301, 302)
-"""Seeds that no gain and no bound was chosen with."""
+"""Seeds that were not used to choose gains or bounds."""
 BASES = MappingProxyType({"10 ms": 0.01, "100 ms": 0.1})
 """Control periods of the two base cases [s]."""
 BASE, FAR_START, OUTSIDE, PUSHED = "base", "far start", "start outside", "adversary"
-"""Factors that are spoken of by name."""
+"""Names of factors that figures and tests use."""
 
 
 def _factors() -> Iterator[tuple[str, Overrides]]:
@@ -32,7 +32,7 @@ def _factors() -> Iterator[tuple[str, Overrides]]:
 
 
 FACTORS: Mapping[str, Overrides] = MappingProxyType(dict(_factors()))
-"""Changes of a case against its base, by the case's name; ``with`` names one that it has too."""
+"""Changes of a case relative to its base, by the case's name; ``with`` adds those of another."""
 
 
 def comparison_plan(
@@ -65,7 +65,7 @@ def overrides_of(base: str, factor: str) -> dict[str, object]:
 
 
 def swept(key: str) -> list[tuple[float, str]]:
-    """The numbers that factors give to the field ``key`` alone, each with its factor's name."""
+    """Values of factors that change the field ``key`` alone, each with its factor's name."""
     alone = ((changed, factor) for factor, changed in FACTORS.items() if len(changed) == 1)
     pairs = ((changed.get(key), factor) for changed, factor in alone)
     return [(value, factor) for value, factor in pairs if isinstance(value, float)]

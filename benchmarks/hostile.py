@@ -1,4 +1,4 @@
-"""Hostile commands to a base behind a filter of any release, which is this script's argument.
+"""Hostile commands to a base behind the filter of a release, whose folder is the argument.
 
     git worktree add ../release 7121a679
     echo '[["first", 100, [0.5, 1.0]]]' | python benchmarks/hostile.py ../release
@@ -35,7 +35,7 @@ HOSTILE, SECONDS = ("constant", "flips", "random"), 6.0
 def driven(
     fresh: Callable[[], Any], limits: Sequence[float], period: float, truth: Truth
 ) -> tuple[float, float]:
-    """Largest speed over its limit of a base behind a fresh filter, and the speed that it holds."""
+    """Largest speed over its limit of a base behind a fresh filter, and its steady speed."""
     inner, rng = max(1, round(period / STEP)), np.random.default_rng(7)
     largest, held = 0.0, [0.0, 0.0]
     after = [replace(truth, then=(0.0, *truth.then[1:]))] if truth.then else []
@@ -58,7 +58,7 @@ def driven(
 
 
 def held_by_release(kind: str, seed: int, limits: Sequence[float]) -> float | None:
-    """The speed that a base holds behind the filter that the release makes of its log."""
+    """Steady speed of a base behind the filter that the release identifies from its log."""
     truth, drive = KINDS[kind](np.random.default_rng(seed))
     # The barrier plays no part for a base that takes velocities, but it must be below the limits.
     known = {"limits.v_u1": limits, "limits.v_u2": [0.8 * limit for limit in limits]}

@@ -80,7 +80,7 @@ def truths(truth: Truth, axis: int, most: float) -> dict[str, set[float]]:
 
 
 def missed(found: BaseIdentification, truth: Truth, drive: Drive) -> tuple[int, list[str]]:
-    """Number of determined intervals, and those that the truth is outside of."""
+    """Number of determined intervals, and those that miss the truth."""
     count, names = 0, []
     for key, item in found.parameters.items():
         axis, name = int(key[-1]) - 1, key[:-1]
@@ -96,7 +96,7 @@ def missed(found: BaseIdentification, truth: Truth, drive: Drive) -> tuple[int, 
 
 
 def scored(kind: str, seed: int) -> Score:
-    """The score of one log."""
+    """Score of one log."""
     truth, drive = KINDS[kind](np.random.default_rng(seed))
     log = recorded(truth, drive, seed)
     score = Score(kind, seed)
@@ -123,7 +123,7 @@ def scored(kind: str, seed: int) -> Score:
 
 
 def behind_filter(scenario: Scenario, truth: Truth) -> tuple[float, float]:
-    """Largest speed over its limit of the true base behind a written filter, and that it holds."""
+    """Largest speed and final speed of the true base behind a written filter, over the limit."""
     fresh = partial(command_filter, scenario)
     return driven(fresh, scenario.limits.v_u1, scenario.clock.control, truth)
 
@@ -173,7 +173,7 @@ def summary(scores: Sequence[Score]) -> dict[str, object]:
 
 
 def table(scores: Sequence[Score]) -> str:
-    """A line a kind."""
+    """Table with one line for each kind."""
     head = ["kind", "logs", "determined", "missed", "accused", "refused", "off", "broken", "told"]
     rows = [head, ["---"] * len(head)]
     for kind in dict.fromkeys(item.kind for item in scores):

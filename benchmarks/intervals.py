@@ -124,7 +124,7 @@ def product_logs(
 def tried(
     log: Path | Mapping[str, list[float]], known: dict[str, object], base: str = "torque"
 ) -> Found:
-    """The identification, or why there is none."""
+    """Identification of a log, or the reason why there is none."""
     try:
         return identify(log, overrides=known, base=base)
     except WmrError as error:
@@ -164,7 +164,7 @@ def covered(case: str, count: int) -> dict[str, object]:
 
 
 def table(rows: Sequence[Mapping[str, object]]) -> str:
-    """The counts as Markdown: a parameter that another loop was taken for counts as missed."""
+    """Counts as Markdown; the parameters of a wrongly chosen loop count as missed."""
     last = ("coloured", "refuted", "refused")
     lines = [["case", "logs", "intervals that hold the truth", *last], ["---"] * 6]
     for row in rows:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 SINGLE = np.ones((1, 1))
-"""A robot with one speed that counts."""
+"""Parts of the command for a robot with a single limited speed."""
 SQUARED, TERMS = 10, 9
 
 
@@ -24,15 +24,15 @@ def driven(
     limited: np.ndarray = SINGLE,
     signed: bool = False,
 ) -> np.ndarray:
-    """Largest speed of many robots for what each asks for, sample by sample.
+    """Largest speed of many robots, each with its own requested commands, sample by sample.
 
-    ``loops`` (loops, axes): the parts of the command that each loop follows; ``limited`` (speeds,
-    loops): speeds that count, as parts of what the loops reach, or where ``signed`` in that
-    direction alone.  ``bases``: A, b, e of the first
-    loop of all robots, of the second ..., and so are ``pushes`` (loops robots, samples, parts of a
-    period).  ``asked`` (robots, axes, samples); ``send`` as the adversary's Sender, for all of a
-    period or for each of its parts.  ``times`` (robots, samples): from each sample to the next, of
-    few sizes; by default a period T.  The filter is told them, unless not ``telling``.
+    ``loops`` (loops, axes): parts of the command that each loop follows. ``limited`` (speeds,
+    loops): limited speeds, as combinations of the loops' speeds; if ``signed``, in that direction
+    alone. ``bases``: A, b, e of the first loop of all robots, then of the second, and so on.
+    ``pushes`` (loops robots, samples, parts of a period) have the same order. ``asked`` (robots,
+    axes, samples): requests. ``send``: as the adversary's Sender, for a whole period or for each
+    of its parts. ``times`` (robots, samples): from each sample to the next, with few different
+    values; by default a period T. The filter receives them if ``telling``.
     """
     A, b, e = bases
     count, samples, parts = pushes.shape

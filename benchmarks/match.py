@@ -1,12 +1,11 @@
 """The match: laws and filters that keep |v| <= v_u1, side by side on one plant.
 
-``python -m benchmarks.match [--quick] [--times] [--out docs/match.md]``.  Every contender is told
-the same: the reference, exact pose and velocity, the believed mass 50 kg and friction 0.08, the
-guard's bounds (mass, disturbance), the delay, the torque limit.  Each gets BUDGET sets of gains,
-drawn alike around its own start, on a training seed.  The plant is the product's, Runge-Kutta at
-1 ms; the adversary pushes outwards with all that the bounds allow.  What a step takes is processor
-time, which other work on the machine changes least; ``--times`` measures that alone and renews the
-last column.
+``python -m benchmarks.match [--quick] [--times] [--out docs/match.md]``. Every contender knows the
+same: the reference, exact pose and velocity, the believed mass 50 kg and friction 0.08, the guard's
+bounds (mass, disturbance), the delay, the torque limit. Each gets BUDGET sets of gains, drawn in
+the same way around its own start, on a training seed. The plant is the product's, Runge-Kutta at 1
+ms; the adversary pushes outwards with all that the bounds allow. The time of a step is processor
+time, which depends least on other work; ``--times`` measures it alone and renews the last column.
 """
 
 from __future__ import annotations
@@ -40,12 +39,12 @@ from wmr_ctrl.world.scenario import Scenario, override
 
 STEP = 1e-3
 HEAVY = {"robot.m": 65.0, "robot.I": 7.0, "robot.mu": 0.15}
-"""The robot that tracks: none of the contenders was told."""
+"""Robot of the tracking columns; no contender knows its numbers."""
 NOISE = 1.0
 BUDGET, SPREAD = 12, 0.5
 TRAIN, TEST = (1,), (7101, 7102)
 PACED = 60
-"""Samples of which the time of a step is the median."""
+"""Number of samples for the median time of a step."""
 
 
 class Plant:
@@ -79,7 +78,7 @@ class Plant:
     def period(
         self, old: Floats, new: Floats, push: Floats, state: Floats
     ) -> tuple[Floats, Floats]:
-        """State after a period, and the largest |v| on the way."""
+        """State after a period, and the largest |v| during it."""
         fastest = np.abs(state[3:])
         for torque, part in zip((old, new), self._parts, strict=True):
             if part is not None:
@@ -188,7 +187,7 @@ def play(case: Case, contender: Contender, budget: int = BUDGET) -> Result:
 
 
 def table(case: Case, results: Sequence[Result]) -> str:
-    """A Markdown table of one case; the best of a column is bold, whoever it is."""
+    """Markdown table of one case; the best figure of a column is bold."""
     late = f"a delay of {1e3 * case.delay:g} ms" if case.delay else "no delay"
     lines = [
         f"### {1e3 * case.period:g} ms, {late}", "",
@@ -209,7 +208,7 @@ def table(case: Case, results: Sequence[Result]) -> str:
 
 
 def retimed(tables: str, times: Sequence[Sequence[float]]) -> str:
-    """The tables with other times [us], of each case those of its contenders; least is bold."""
+    """Tables with new times [us] for each case and contender; the least is bold."""
     lines, at = [], -1
     for line in tables.splitlines():
         cells = line.split("|")

@@ -48,7 +48,7 @@ def noise(case: Case) -> Array:
 
 @njit
 def run(law, wheels, robots, circle, clock, noise, state, W):
-    """Take the loop to its end; ``state`` and ``W`` are changed."""
+    """Run the loop to its end; ``state`` and ``W`` are changed in place."""
     (control, plant, substeps, change), (r, half_track, v_s) = clock, wheels
     S, row = np.empty(NODES), np.zeros(12)
     for k in range(len(noise)):

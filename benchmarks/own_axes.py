@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 STEP, PARTS = 1e-3, 8
-"""Step of a base [s], and parts of it in which a loop of second order moves."""
+"""Step of a base [s], and number of its parts for a second-order loop."""
 NONE = math.inf
 
 
@@ -39,7 +39,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Truth:
-    """A base: both axes, delays [s], wheels, what v takes from omega, and what changes when."""
+    """Base: both axes, delays [s], wheels, influence of v on omega, and a change at a time."""
 
     axes: tuple[Axis, Axis]
     delay: tuple[float, float] = (0.04, 0.04)
@@ -52,12 +52,12 @@ class Truth:
     mean: float = 0.0
     """Lag of the sensor, and time over which it averages [s]."""
     then: tuple[float, int, float] | None = None
-    """Time [s], axis and factor of its gain from then on."""
+    """Time [s] of a change, axis, and factor of its gain afterwards."""
 
 
 @dataclass
 class Base:
-    """A running base; ``push`` (2,) acts on both axes' targets."""
+    """Running base; ``push`` (2,) acts on the targets of both axes."""
 
     truth: Truth
     ramped: list[float] = field(default_factory=lambda: [0.0, 0.0])
@@ -90,7 +90,7 @@ class Base:
             self.shown[axis] = keep * self.shown[axis] + (1 - keep) * mean
 
     def off(self) -> None:
-        """One millisecond without drivers."""
+        """Simulate one millisecond with the drivers off."""
         for axis in (0, 1):
             self.queues[axis].append(0.0)
             self.queues[axis].popleft()

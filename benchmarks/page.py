@@ -1,8 +1,8 @@
 """Frames of the live page in a headless browser: ``python -m benchmarks.page [PAGE.html]``.
 
-Four laws drive at once, for a few seconds at 1 and at 10 times the clock's speed.  Told are frames
-a second, and how long the script takes of a frame: simulation, picture and charts, without what the
-browser does to show them.
+Four laws drive at once, for a few seconds at 1 and at 10 times the clock's speed. It reports
+frames per second, and the script's time per frame: simulation, picture and charts, without the
+browser's own work.
 """
 
 from __future__ import annotations

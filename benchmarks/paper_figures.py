@@ -1,6 +1,6 @@
-"""Pictures of the paper's runs for `wmr-ctrl reproduce`: the twelve panels of Fig. 3 and Fig. 5.
+"""Figures of the paper's runs for `wmr-ctrl reproduce`: the twelve panels of Figs. 3 and 5.
 
-And what these do not show (`evidence_figures`).
+Further figures are in `evidence_figures`.
 """
 
 from collections.abc import Iterator, Mapping
@@ -27,7 +27,7 @@ Group: TypeAlias = Mapping[str, Run]
 WIDTHS = (1.0, 1.75)
 GAP = 0.42
 START = 3.0
-"""Length of the beginning that is shown enlarged [s]."""
+"""Duration of the enlarged beginning [s]."""
 PANEL_SIZE = (4.7, 2.9)
 
 
@@ -78,7 +78,7 @@ PANELS = tuple(Panel(**with_tuples(row)) for row in data(__package__, "panels.to
 
 
 def _draw_parts(figure: Figure, group: Group, panel: Panel) -> None:
-    """The start of every run, enlarged, and the rest."""
+    """Draw the enlarged start of every run, and the rest."""
     start, rest = drawing.row_of_axes(figure, drawing.Padding(), WIDTHS, GAP)
     for law, run in group.items():
         seen, cut, t, y = look(law), run.settings.index(panel.early), run.time, panel.value(run)
@@ -103,7 +103,7 @@ def _draw_parts(figure: Figure, group: Group, panel: Panel) -> None:
 
 
 def _draw_whole(figure: Figure, group: Group, panel: Panel) -> None:
-    """Every run on one scale."""
+    """Draw every run on one scale."""
     axes = drawing.one_axes(figure, drawing.Padding())
     axes.set(xlabel="t [s]", ylabel=panel.label)
     for law, run in group.items():

@@ -1,4 +1,4 @@
-"""A page with parts that commands write: each stands between two marks of its name."""
+"""Pages with generated parts; each part is between two marks with its name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wmr_ctrl.results import atomic_text
 
 
 def page_parser(description: str | None, quick: str) -> argparse.ArgumentParser:
-    """Arguments of a benchmark that renews a part of a page; ``quick``: what --quick leaves."""
+    """Argument parser of a benchmark that renews a part of a page; ``quick``: help of --quick."""
     parser = argparse.ArgumentParser(
         description=description, formatter_class=argparse.RawTextHelpFormatter
     )
@@ -21,7 +21,7 @@ def page_parser(description: str | None, quick: str) -> argparse.ArgumentParser:
 
 
 def renew(page: Path, name: str, text: str) -> None:
-    """Put ``text`` between the marks of ``name``; ArgumentError where the page has none."""
+    """Put ``text`` between the marks of ``name``; ArgumentError if the page has none."""
     whole = page.read_text(encoding="utf-8")
     begin, end = (f"<!-- {word} {name} -->" for word in ("begin", "end"))
     head, first, rest = whole.partition(begin)
@@ -33,5 +33,5 @@ def renew(page: Path, name: str, text: str) -> None:
 
 
 def millimetres(length: float) -> str:
-    """A certified length [m], in mm, never less than it is."""
+    """Certified length [m] in mm, rounded up."""
     return f"{math.ceil(1e5 * length * (1 - 1e-12)) / 100:.2f}"

@@ -1,9 +1,9 @@
-"""The log of the tutorial "from a log to a guarded robot", and further drives of that robot.
+"""Write the log of the identification page, and further drives of its robot.
 
     python -m benchmarks.robot_log OUT.csv [--drive DRIVE.csv | --circle] [--seed N]
 
-The robot is that of `benchmarks/own_plant.py` with numbers of its own; the model of `identify`
-lacks its gusts, its wheels of two sizes and its creeping tyres.  DRIVE.csv has columns t, v, omega.
+The robot is that of `benchmarks/own_plant.py` with its own numbers; the model of `identify` has no
+gusts, no wheels of different size and no creeping tyres. DRIVE.csv has columns t, v, omega.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def columns_of(drive: Drives | None, seed: int) -> dict[str, list[float]]:
 
 
 def write(path: str, columns: dict[str, list[float]]) -> None:
-    """One line a sample; six digits."""
+    """Write one line per sample, with six digits."""
     with Path(path).open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)

@@ -41,11 +41,11 @@ control = {PERIOD}
 [filter]
 kind = "clip"
 """
-"""The node's limits; also those to compile PROGRAM with."""
+"""Scenario with the node's limits; compile PROGRAM with the same."""
 
 
 class Base:
-    """A base that stands: odometry out, commands in."""
+    """Standing base that sends odometry and receives commands."""
 
     def __init__(self) -> None:
         self.node = rclpy.create_node("base")
@@ -82,7 +82,7 @@ class Base:
 
 @contextmanager
 def running(commands: list[list[str]], fifo: bool) -> Iterator[None]:
-    """Processes, by SCHED_FIFO with this one."""
+    """Start processes; with ``fifo`` they and this one run under SCHED_FIFO."""
     first = ["chrt", "-f", str(FIFO)] if fifo else []
     processes = [
         subprocess.Popen([*first, *words], stderr=subprocess.DEVNULL) for words in commands
@@ -105,7 +105,7 @@ def _ordinary() -> None:
 
 @contextmanager
 def loaded(busy: int) -> Iterator[None]:
-    """Busy loops beside, never by SCHED_FIFO: nothing else on the machine would run."""
+    """Start busy loops, never under SCHED_FIFO, which would block the whole machine."""
     loop = [sys.executable, "-c", "while True: pass"]
     loops = [subprocess.Popen(loop, preexec_fn=_ordinary) for _ in range(busy)]
     try:

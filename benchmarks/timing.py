@@ -59,7 +59,7 @@ Builders = Mapping[str, Callable[[], Candidate]]
 
 
 def built(builders: Builders) -> dict[str, Candidate]:
-    """All candidates; one that cannot be built raises its error when it is run."""
+    """Build all candidates; one that cannot be built raises its error when it is run."""
     candidates = {}
     for name, build in builders.items():
         try:

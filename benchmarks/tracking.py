@@ -33,7 +33,7 @@ CONDITIONS: tuple[tuple[str, dict[str, object]], ...] = (
     ("velocity noise 20 mm/s, 20 mrad/s", {"sensor.velocity_noise": [0.02, 0.02]}),
 )
 NAME = "tracking"
-"""Of the part of the page that this writes."""
+"""Name of the page's part that this module writes."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Cell:
 
 
 def cell(preset: str, period: float, law: str, condition: dict[str, object]) -> Cell | None:
-    """One law in one condition; None where the guard refuses it."""
+    """Figures of one law in one condition; None if the guard refuses it."""
     try:
         case = load_scenario(preset, {"clock.control": period, **condition})
         runs = [simulate(case, law, seed=seed) for seed in SEEDS]

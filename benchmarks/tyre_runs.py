@@ -19,7 +19,7 @@ from wmr_ctrl.simulation.campaign.engine import Campaign, run_campaign
 from wmr_ctrl.simulation.campaign.plan import Overrides, Study, studies_in
 
 RIGID_SEEDS = (2100, 2101, 2102, 2103, 2104)
-"""Seeds with which nothing about the body was chosen."""
+"""Seeds that were not used to choose anything about the body."""
 _STEEP = math.radians(5.0)
 _SLOPE: Mapping[str, Overrides] = {
     "ode": {"slope.angle": _STEEP, "slope.direction": math.pi / 2},
@@ -30,7 +30,7 @@ TABLES = "tyre_runs.toml"
 
 
 def _studies(plant: str) -> tuple[Study, ...]:
-    """Studies, spins and falls first."""
+    """Studies of a plant, with spins and falls first."""
     return tuple(
         replace(one, overrides={**one.overrides, **_SLOPE[plant]}) if one.name == SLOPED else one
         for one in studies_in(__package__, TABLES)
@@ -38,7 +38,7 @@ def _studies(plant: str) -> tuple[Study, ...]:
 
 
 RIGID_STUDIES: Mapping[str, tuple[Study, ...]] = {plant: _studies(plant) for plant in PLANTS}
-"""The cases on each plant."""
+"""Studies of all cases on each plant."""
 E1_BEFORE, E1 = f"e1_rms_{named(BEFORE)}", f"e1_rms_{named(LATE)}"
 COMPARED = ("ise_total", E1_BEFORE, E1, "limit_ratio", "slipped", "tipped")
 """Figures of the comparison."""
@@ -68,7 +68,7 @@ MUJOCO = "mujoco"
 
 @dataclass(frozen=True)
 class RigidClaim:
-    """A sentence and a law: whether it holds in every run, and the numbers, least and greatest."""
+    """Claim for a law: whether it holds in every run, with least and greatest number."""
 
     text: str
     law: str
@@ -94,7 +94,7 @@ class _Expected:
     most: float = float("inf")
 
     def numbers(self, rows: RunTable, law: str) -> list[float]:
-        """The number that is bounded, a seed each; NaN where a run has none."""
+        """Bounded number for each seed; NaN if a run has none."""
         case, plant = self.beside or (self.case, MUJOCO)
         mine = rows.where(case=self.case, law=law, plant=MUJOCO)
         others = rows.where(case=case, law=law, plant=plant)
@@ -105,7 +105,7 @@ class _Expected:
 
 
 def rigid_claims(rows: RunTable) -> tuple[RigidClaim, ...]:
-    """Each sentence for each of its laws that was run."""
+    """Judge each claim for each of its laws that was run."""
     return tuple(
         _judged(claim, law, numbers)
         for claim in (_Expected(**with_tuples(row)) for row in data(__package__, TABLES)["claim"])
@@ -115,7 +115,7 @@ def rigid_claims(rows: RunTable) -> tuple[RigidClaim, ...]:
 
 
 def _judged(claim: _Expected, law: str, numbers: Sequence[float]) -> RigidClaim:
-    """The verdict, with least and greatest number, and how many runs have one."""
+    """Verdict, least and greatest number, and number of runs that have one."""
     count, known = len(numbers), [number for number in numbers if not math.isnan(number)]
     if not known:
         return RigidClaim(claim.text, law, False, f"none in {count} runs")

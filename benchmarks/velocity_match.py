@@ -1,8 +1,8 @@
-"""The match on bases that take velocities: laws and filters side by side, told the same.
+"""Match on bases that take velocities: laws and filters with the same knowledge.
 
-``python -m benchmarks.velocity_match [--quick] [--out docs/match.md]``.  Each law gets BUDGET sets
-of gains, drawn alike around its own start, on a training base; then every column on bases that
-nobody was told of.
+``python -m benchmarks.velocity_match [--quick] [--out docs/match.md]``. Each law gets BUDGET sets
+of gains, drawn in the same way around its own start, on a training base; then every column on bases
+that no contender knows.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from wmr_ctrl.simulation.tuning.search import tunable
 from wmr_ctrl.world.scenario import load_scenario, override
 
 NAME = "velocity"
-"""Of the part of the page that this writes."""
+"""Name of the page's part that this module writes."""
 PLAYERS = ("kanayama", "pursuit", "prox", "mb")
 BUDGET, SPREAD = 12, 0.5
 LIMIT = (1.0, 2.0)
 SPEED = 0.5
-"""Of the reference [m/s]."""
+"""Speed of the reference [m/s]."""
 LATE = 0.02
 """Delay of commands [s]."""
 START = guide(0.05, LATE + 0.1, SPEED)
-"""Poles for the period, the delay and half of the base's time constant: where all laws start."""
+"""Initial poles of all laws, for the period, the delay and half of the base's time constant."""
 TRAIN, TEST = 1, 7101
 Changes = Mapping[str, Any]
 
@@ -53,7 +53,7 @@ SHARED: Changes = {
 
 @dataclass(frozen=True)
 class Place:
-    """A base: what nobody was told, what filters are told, and the worst that they admit."""
+    """Base: its true numbers, the bounds given to filters, and the worst base within these."""
 
     title: str
     base: Changes
@@ -105,7 +105,7 @@ class Result:
 
 
 def play(place: Place, law: str, way: str, budget: int = BUDGET) -> Result:
-    """Tune on the training base, then every column on the others."""
+    """Tune on the training base, then fill every column on the other bases."""
     filtering = {} if way == "none" else {"filter": {**place.told, "kind": way}}
     case = override(load_scenario("paper-simulation-noise-free"), {**SHARED, **place.base})
     case = override(case, filtering)
@@ -145,7 +145,7 @@ def _change(run: Run) -> float:
 
 
 def _drawn(setup: Setup, law: str, count: int) -> list[Changes]:
-    """The gains that ship, and others around them."""
+    """Default gains, and random ones around them."""
     draw = np.random.default_rng(0)
     start = {key: setup.value(key) for key in tunable(LAWS[law])}
     found = []
@@ -159,7 +159,7 @@ def _drawn(setup: Setup, law: str, count: int) -> list[Changes]:
 
 
 def table(place: Place, results: Sequence[Result]) -> str:
-    """A Markdown table of one base; the best of a column is bold, whoever it is."""
+    """Markdown table of one base; the best figure of a column is bold."""
     lines = [
         f"### {place.title[0].upper()}{place.title[1:]}", "",
         "| law | filter | worst \\|v\\| beyond its limit | usable speed [m/s] | position RMS [mm] "

@@ -27,11 +27,11 @@ from wmr_ctrl.results import Run
 from wmr_ctrl.world.scenario import Scenario
 
 CHOSEN_ON, REPORTED_ON = (1_000_000, 2_000_000), 3_000_000
-"""First numbers of the runs that rule and thresholds were chosen on, and of those reported."""
+"""First number of the runs for choosing rule and thresholds, and of the reported runs."""
 NAME = "verdicts"
-"""Of the part of the page that this writes."""
+"""Name of the page's part that this module writes."""
 OF_SCENARIO = ("objected", "exact-pose", "assumption-void", "bounds-left")
-"""Remarks that speak of the scenario or of the guarantee; the others speak of how the run went."""
+"""Remarks about the scenario or the guarantee; all others are about the course of the run."""
 PATHS = (
     [[0.0, 0.0], [2.0, 0.0], [3.0, 1.0], [3.0, 3.0], [1.0, 4.0]],
     [[0.0, 0.0], [1.5, 0.0], [1.5, 1.5], [3.0, 1.5]],
@@ -65,7 +65,7 @@ def _clock(draw: random.Random) -> dict[str, object]:
 
 
 def _robot(draw: random.Random) -> dict[str, object]:
-    """A robot whose laws believe another mass, up to a third or three times as much."""
+    """Random robot with a mass of a third to three times the believed one."""
     m, ratio = 50 * 4 ** draw.uniform(-0.5, 0.5), 3 ** draw.uniform(-1, 1)
     return {"robot.m": m, "robot.I": 0.108 * m, "model.m": m * ratio, "model.I": 0.108 * m * ratio}
 
@@ -161,7 +161,7 @@ def _restless(torques: np.ndarray, period: float) -> float:
 
 
 def _moving_mean(values: np.ndarray, count: int) -> np.ndarray:
-    """Mean over so many samples about each, over fewer at the ends."""
+    """Moving mean over ``count`` samples, over fewer at the ends."""
     weights = np.ones(min(count, len(values)))
     size = np.convolve(np.ones_like(values), weights, "same")
     return np.convolve(values, weights, "same") / size
@@ -181,7 +181,7 @@ class Judged:
 
     @property
     def seen(self) -> bool:
-        """Whether a remark speaks against how the run went."""
+        """True if a remark says that the run went badly."""
         return any(key not in OF_SCENARIO for key in self.keys)
 
 
@@ -200,7 +200,7 @@ def judged(first: int, runs: int) -> Iterator[Judged]:
 
 
 def table(rows: Sequence[Judged]) -> str:
-    """Misses and false alarms, and what each remark and each fault came to, in Markdown."""
+    """Markdown tables: misses and false alarms, counts of each remark and of each fault."""
     bad, good = [row for row in rows if row.faults], [row for row in rows if not row.faults]
     unseen, untold = [row for row in bad if not row.seen], [row for row in bad if not row.keys]
     alarmed = [row for row in good if row.seen]
@@ -232,7 +232,7 @@ def _share(part: Sequence[Judged], whole: Sequence[Judged]) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run all, print the tables, and with ``--out`` renew the page's."""
+    """Run all, print the tables, and with ``--out`` renew those on the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=310)
     parser.add_argument("--first", type=int, default=REPORTED_ON)

@@ -84,7 +84,7 @@ pygments_dark_style = "monokai"
 
 
 def setup(app: Sphinx) -> None:
-    """Arrays by the name that the code has for their type."""
+    """Show array types by the names that the code uses for them."""
 
     def by_name(*given: object) -> tuple[str | None, str | None]:
         signature, result = (text and ARRAY.sub("Floats", str(text)) for text in given[-2:])

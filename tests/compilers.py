@@ -24,7 +24,7 @@ QEMU = ("qemu-aarch64", "qemu-aarch64-static")
 WINE = ("wine64", "/usr/lib/wine/wine64")
 NODE = ("node", "nodejs")
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
-"""Where Debian's libc6-arm64-cross puts the C library of that processor."""
+"""Folder of that processor's C library, as Debian's libc6-arm64-cross installs it."""
 ARM = "aarch64-linux-gnu.2.17" if ARM_LIBRARIES.is_dir() else "aarch64-linux-musl"
 """Without that library zig compiles one of its own into the program, for most of a minute."""
 BESIDE_QEMU = {"QEMU_LD_PREFIX": str(ARM_LIBRARIES)}

@@ -39,7 +39,7 @@ Monomial = tuple[tuple[str, int], ...]
 Polynomial = dict[Monomial, Number]
 
 MOST_BYTES = 4_000_000
-"""Of one unpacked file."""
+"""Largest size of one unpacked file."""
 MOST_WORK = 200_000
 """Units for one obligation: one for each word of 64 bits in a polynomial, ten for a formula."""
 MOST_POWER = 100

@@ -68,7 +68,7 @@ from .products import (
 from .runner import selected
 
 Node: TypeAlias = list[Any]
-"""Of a tree, as `check` has it."""
+"""Node of a tree, as in `check`."""
 
 ROOT = "~"
 """Begins the name of a square in a search."""
@@ -85,7 +85,7 @@ KEPT = 12
 FORMULAS = 20_000
 """Most facts that are kept in the form for z3."""
 SECONDS = 10.0
-"""Of the processor for one obligation."""
+"""Processor time for one obligation [s]."""
 SOON = 300_000
 """Work of z3 for a question about a few facts."""
 LATER = 3_000_000

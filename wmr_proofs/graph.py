@@ -290,4 +290,4 @@ ARITHMETIC: dict[str, Callable[..., Any]] = {
     "twice": lambda a: 2 * a,
     "assign": lambda a: a,
 }
-"""By the walker's name of the operation; a backend adds what is its own."""
+"""Operations by the walker's names; a backend adds its own."""

@@ -29,7 +29,7 @@ Products: TypeAlias = dict[Used, tuple[Polynomial, bool]]
 EFFORTS = ((0, 1), (1, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 1), (2, 2), (2, 3), (3, 1))
 """Degree above the highest of a fact, and most facts in a product, from cheap to costly."""
 MOST_DEGREE = 6
-"""Of products of several facts."""
+"""Largest degree of products of several facts."""
 FEW = 11
 """Most facts of which three are multiplied."""
 MONOMIALS = 40_000

@@ -1,12 +1,12 @@
 """The filter's statements against adversaries, a hundred thousand trials each, and a stop in time.
 
 ``python -m benchmarks.filter_trials [--quick] [--only WORDS] [--out benchmarks/results.md]``;
-with words only the statements whose titles have them, and the page keeps its other rows.  The
-filter is the C of its package; bases and adversaries are the tests' own, integrated exactly between
-all instants at which something changes.  Where both axes are scaled by one factor, a command that
-does not keep the curvature counts as a break.  Then each hypothesis is broken by 5 % (or by the
-least that can be: one loss, a lag), and the runs that leave the limit are counted: a statement
-whose hypotheses may be broken unnoticed would say nothing.
+``--only`` runs the statements with these words in their titles, and keeps the page's other rows.
+The filter is the C of its package; bases and adversaries are the tests' own, integrated exactly
+between all instants at which something changes. Where both axes are scaled by one factor, a
+command that does not keep the curvature counts as a break. Then each hypothesis is broken by 5 %
+(or by the least that can be: one loss, a lag), and the runs that leave the limit are counted: a
+statement whose hypotheses may be broken unnoticed would say nothing.
 
 Bases that are told limits and free distances while they drive have tables of their own: drives
 within all bounds and beyond one of them, of the bases of a governor and of a clip, drives behind
@@ -110,7 +110,7 @@ def beside(name: str, share: int) -> list[str]:
 
 @dataclass(frozen=True)
 class Table:
-    """A part of the page: its columns, and the cells of each row for a share of all trials."""
+    """Table of the page: its columns, and a function for the cells of each row."""
 
     columns: Sequence[str]
     rows: Mapping[str, Callable[[int], Sequence[str]]]

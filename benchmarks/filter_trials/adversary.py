@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 NONE, LONG_AGO = (np.inf, np.inf), -1e9
 RAMPED = 6
-"""Parts of a sample over which ramped commands are held."""
+"""Number of parts of a sample in which ramped commands are held."""
 
 
 Interval = tuple[float, float] | tuple[tuple[float, float], tuple[float, float]]
@@ -30,14 +30,14 @@ Interval = tuple[float, float] | tuple[tuple[float, float], tuple[float, float]]
 
 @dataclass(frozen=True)
 class Base:
-    """True numbers of the base and its wires: intervals, within which the adversary chooses.
+    """True numbers of the base and its connection: intervals from which the adversary chooses.
 
-    ``tau``, ``gain``, ``delay``: one interval of both axes, or two.  ``loops``: what has a loop of
-    its own, "body" (v and omega) or "wheels"; where v and omega are "alike", one time constant and
-    gain for both.  ``d`` and ``error``, of both axes, are shares of their limits.  ``accel``,
-    ``decel``: ramps of the firmware, as in [base].  A base that hears
-    nothing for ``hold`` stops; with it, nothing is sent now and then for some periods.  A command
-    within ``deadband``, or the part of one within ``wheel_deadband`` at a rim, may act as 0.
+    ``tau``, ``gain``, ``delay``: one interval of both axes, or two. ``loops``: loops of the "body"
+    (v and omega) or the "wheels"; if v and omega are "alike", they have one time constant and
+    gain. ``d`` and ``error``, of both axes, are shares of their limits. ``accel``, ``decel``:
+    ramps of the firmware, as in [base]. A base that hears nothing for ``hold`` stops; with it,
+    nothing is sent now and then for some periods. A command within ``deadband``, or the part of
+    one within ``wheel_deadband`` at a rim, may act as 0.
     """
 
     tau: Interval = (0.2, 0.3)
@@ -59,7 +59,7 @@ class Base:
     wheel_deadband: float = 0.0
 
     def wrong(self, **changes: Any) -> Base:
-        """The base with some numbers beyond what is stated."""
+        """Copy of the base with some numbers beyond their stated bounds."""
         return replace(self, **changes)
 
     def bands(self, l: float) -> tuple[Floats, Floats] | None:
@@ -70,7 +70,7 @@ class Base:
 
 
 Sender = Callable[[Floats], Floats]
-"""Sends for inputs (inputs, trials) the commands (2, trials), with a memory of its own."""
+"""Function with its own memory: inputs (inputs, trials) to commands (2, trials)."""
 
 
 def graphs(scenario: Scenario, trials: int) -> Sender:
@@ -89,7 +89,7 @@ def graphs(scenario: Scenario, trials: int) -> Sender:
 
 
 def limited_speeds(scenario: Scenario) -> tuple[Floats, Floats, Floats]:
-    """Speeds that are limited, each as its parts of v and of omega, and their limits.
+    """Limited speeds, each as its parts of v and omega, and their limits.
 
     The larger of both directions, then those of each, forwards first.
     """
@@ -112,7 +112,7 @@ def fastest(
 ) -> Floats:
     """Largest share of a limit in each trial, over all instants at which a piece ends.
 
-    Each is after one of the speeds that are limited.
+    Each trial tries to exceed one of the limited speeds.
     """
     rng = np.random.default_rng(seed)
     send, T, l = sending(scenario, trials), scenario.clock.control, scenario.robot.l
@@ -207,11 +207,11 @@ def fastest(
 
 
 HEADINGS = ((1, 0), (0, 1), (1, 1), (5, 1), (1, 5))
-"""Where commands may head, in sizes of v and l omega, besides along the speed that is sought."""
+"""Further directions of commands, as sizes of v and l omega, beside that of the attacked speed."""
 
 
 def _heard(command: Floats, bands: tuple[Floats, Floats], drops: Flags) -> Floats:
-    """The commands (trials, 2) that act behind dead bands, in the trials that drop small ones."""
+    """Commands (trials, 2) that act behind dead bands, in trials in which these drop small ones."""
     rows, sizes = bands
     parts = command @ rows.T
     small = drops[:, None] & (np.abs(parts) < sizes)
@@ -221,7 +221,7 @@ def _heard(command: Floats, bands: tuple[Floats, Floats], drops: Flags) -> Float
 
 EDGE = 0.999
 EDGES = (-EDGE, EDGE, -0.5, 0.3, 1.5)
-"""Shares of a dead band that are asked for: just within it, then others."""
+"""Requested shares of a dead band: just within it, then others."""
 
 
 def _on_the_edge(
@@ -231,9 +231,10 @@ def _on_the_edge(
     side: Floats,
     shares: Floats,
 ) -> Floats:
-    """Commands (trials, 2) of which a part is within a dead band.
+    """Commands (trials, 2) with a part within a dead band.
 
-    Of a rim while the speed that is sought is as fast as the clip lets it; or such ``shares``.
+    A rim's part is in it while the attacked speed is as fast as the clip admits; or ``shares`` of
+    it.
     """
     rows, sizes = bands
     both = sizes * shares * side @ np.linalg.inv(rows).T
@@ -249,17 +250,17 @@ def _on_the_edge(
 
 
 def _newest(since: Floats) -> Floats:
-    """The last instant at which a command took over or will, of each axis."""
+    """Last instant at which a command took or takes over, for each axis."""
     return np.max(np.where(np.isfinite(since), since, LONG_AGO), axis=1)
 
 
 def _forward(motion: Floats, base: Base) -> Flags:
-    """Where a motion of each loop, of both together if they are alike, is one forwards."""
+    """True where the motion of each loop (or of both, if they are equal) is forwards."""
     return (motion.sum(axis=1, keepdims=True) if base.loops == "alike" else motion) > 0
 
 
 def _ramped(now: Floats, wanted: Floats, base: Base, time: Floats) -> Floats:
-    """Commands that near the ``wanted`` ones as fast as they may; they stop at 0 to turn round."""
+    """Commands that approach ``wanted`` at the ramps' rates; they stop at 0 to reverse."""
     goal = np.where(now * wanted < 0, 0, wanted)
     most = np.where(np.abs(goal) < np.abs(now), base.decel, base.accel) * np.maximum(time, 1e-300)
     return now + np.clip(goal - now, -most, most)

@@ -40,7 +40,7 @@ HOLD, STEADY, TAKEOVERS = Stop.hold, Stop.steady, ToldBound.takeovers
 
 @dataclass(frozen=True)
 class Altered:
-    """Formulas in place of others, their fault (see `stopping.breaks`), and drives that show it."""
+    """Wrong formulas, their fault (see `stopping.breaks`), and drives that show it."""
 
     formulas: Mapping[tuple[Any, str], Any]
     breaks: str
@@ -49,7 +49,7 @@ class Altered:
 
     @contextmanager
     def applied(self) -> Iterator[None]:
-        """The formulas while graphs are built."""
+        """Replace the formulas while graphs are built."""
         with ExitStack() as stack:
             for (owner, name), formula in self.formulas.items():
                 stack.enter_context(patch.object(owner, name, formula))
@@ -63,7 +63,7 @@ class Altered:
 
 
 def _pull(gain: str, *, first: bool = False) -> property:
-    """Speed away by this gain; of the ``first`` command, or of those that follow."""
+    """Speed away with this gain, of the ``first`` command or of the later ones."""
 
     def pull(self: StoppingGovernor) -> list[list[ca.SX]]:
         sides = []
@@ -100,7 +100,7 @@ def _steady(end: int) -> Callable[..., ca.SX]:
 
 
 def _limit(line: str) -> Callable[..., ca.SX]:
-    """Largest command by one line of both: that of the longest time, or that of the least."""
+    """Largest command by only one of the two lines: that of the longest or of the least time."""
 
     def admitted(self: StoppingGovernor, place: int, axis: int) -> ca.SX:
         motion = self.told[place][axis]
@@ -114,7 +114,7 @@ def _limit(line: str) -> Callable[..., ca.SX]:
 
 
 def _each_axis(self: StoppingGovernor) -> ca.SX:
-    """Each axis by its own sides alone."""
+    """Wrong rule: each axis considers its own sides alone."""
     own = [reduce(ca.logic_and, (side[i] for side in self.open)) for i in AXES]
     return ca.vertcat(*(ca.if_else(own[i], self.offered[i], 0) for i in AXES))
 

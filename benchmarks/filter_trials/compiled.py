@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 class Compiled:
-    """The C of a scenario's filter, for many bases at once."""
+    """Compiled filter of a scenario, for many bases at once."""
 
     def __init__(self, scenario: Scenario, *, float32: bool = False) -> None:
         """Compile it; CompilerError where that fails."""
@@ -38,7 +38,7 @@ class Compiled:
         self.bands = bands if own.least else []
 
     def sender(self, trials: int) -> Sender:
-        """A fresh memory for so many bases."""
+        """Sender with fresh memory for ``trials`` bases."""
         y = np.zeros((trials, self.system.y.numel()), self.real)
         x = np.zeros((trials, self._library.wmr_filter_begin(ctypes.c_long(0), None)), self.real)
         self._library.wmr_filter_begin(ctypes.c_long(trials), x.ctypes.data_as(ctypes.c_void_p))
@@ -60,7 +60,7 @@ class Compiled:
 
 
 OFF = 1e9
-"""A command [m/s] in the place of one that does not keep the curvature, or does not act."""
+"""Command [m/s] that replaces one that changes the curvature, or does not act."""
 
 
 def turned(asked: Floats, sent: Floats, eps: float) -> NDArray[np.bool_]:
@@ -72,9 +72,9 @@ def turned(asked: Floats, sent: Floats, eps: float) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement with its trials: largest |v|/V of each, for so many trials and a seed.
+    """Statement with its trials: a function of number of trials and seed to largest |v|/V of each.
 
-    ``broken``: the same with one hypothesis broken, by what is broken.
+    ``broken``: the same with one broken hypothesis, by its name.
     """
 
     title: str
@@ -91,10 +91,10 @@ WIDE_TURNS: Mapping[str, Any] = {
     "limits.v_u1": (1.0, 4.0), "limits.v_u2": (0.7, 2.8), "filter.d": (0.05, 0.2),
     "filter.odometry": (0.02, 0.08),
 }  # fmt: skip
-"""Limits of which that of omega counts for as much at a wheel as that of v."""
+"""Limits of v and omega that allow the same speed of a wheel."""
 
 
 def scenario(kind: str, changes: Mapping[str, Any] = {}, **stated: Any) -> Scenario:
-    """A scenario with this filter."""
+    """Scenario with this kind of filter."""
     keys = {f"filter.{name}": value for name, value in {"kind": kind, **stated}.items()}
     return load_scenario("paper-simulation", {**STATED, **changes, **keys})

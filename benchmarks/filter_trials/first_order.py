@@ -1,4 +1,4 @@
-"""Bases whose loops are of first order, or chains of such, against the clip and the governor."""
+"""Bases with first-order loops, or chains of them, against the clip and the governor."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HALF_TRACK = 0.25
 RIMS = {**WIDE_TURNS, "filter.wheel_speed": 1.2}
 WHEELS = {**WIDE_TURNS, "filter.channels": "wheels"}
 BY_SIDE: Mapping[str, Any] = {"limits.v_min": (-0.05, -0.4), "limits.v_max": (0.8, 1.0)}
-"""A limit of each direction; backwards no command is admitted, as a push alone leads there."""
+"""Limits by direction; backwards no command is admitted, as a push alone reaches that limit."""
 WHEEL_SIDES: Mapping[str, Any] = {
     **WIDE_TURNS, "filter.channels": "wheels", "limits.v_min": (-0.3, -4.0),
     "limits.v_max": (0.8, 3.0),
@@ -32,7 +32,7 @@ WORLDS: Sequence[Mapping[str, Any]] = (
 def told_of(
     kind: str, base: Base, changes: Mapping[str, Any], scale: str = "curvature"
 ) -> Scenario:
-    """A scenario whose filter is told of this base."""
+    """Scenario with a filter for this base."""
     V = changes.get("limits.v_u1", (1.0, 1.0))
     stated: dict[str, Any] = {
         "gain": base.gain, "scale": scale,
@@ -51,7 +51,7 @@ def told_of(
 
 
 def _errors(kind: str, base: Base) -> tuple[float, float]:
-    """Largest error of the command that acts, as a filter of this kind counts it."""
+    """Largest error of the acting command, as a filter of this kind assumes it."""
     every = kind != "clip"
     rim = base.wheel_deadband * (1.0 if every else 0.5)
     v, omega = (base.quantum / 2 + every * band for band in base.deadband)
@@ -65,9 +65,9 @@ def first_order(
     scales: Sequence[str] = ("curvature",),
     **options: Any,
 ) -> Callable[[int, int], Floats]:
-    """Trials of first-order bases, all worlds and scales in turn, with odometry and without.
+    """Trials of first-order bases, for all worlds and scales in turn, with and without odometry.
 
-    ``changes`` of the scenario; further ``options`` are those of the compiled filter.
+    ``changes``: of the scenario; further ``options``: of the compiled filter.
     """
 
     def run(trials: int, seed: int) -> Floats:
@@ -98,7 +98,7 @@ def wrong(
     scale: str = "curvature",
     **wrongly: Any,
 ) -> Callable[[int, int], Floats]:
-    """Trials of a first-order base beyond what the filter is told."""
+    """Trials of a first-order base beyond the bounds that the filter received."""
     base = Base(**told)
     stated = told_of(kind, base, changes, scale)
     return lambda trials, seed: _chain(stated, base.wrong(**wrongly), trials, seed)
@@ -110,7 +110,7 @@ CHAINS: Sequence[Mapping[str, Any]] = (
     {"hold": 0.12, "quantum": 0.03, "second_lag": 0.05},
 )  # fmt: skip
 STOPPING: Mapping[str, Any] = {"accel": (2.0, 8.0), "decel": (2.0, 8.0), "loops": "alike"}
-"""Ramps of which each axis stops as fast at the rim as the other starts, l being 1/4 m."""
+"""Ramps with which each axis stops at the rim as fast as the other starts, for l = 1/4 m."""
 RAMPS: Sequence[Mapping[str, Any]] = (
     STOPPING, {**STOPPING, "delay": (0.0, 0.1), "losses": 2, "second_lag": 0.05},
     {**STOPPING, "accel": (0.5, 6.0), "decel": (3.0, 2.0)},
@@ -119,7 +119,7 @@ APART: Mapping[str, Any] = {"tau": ((0.1, 0.15), (0.4, 0.6)), "gain": ((0.95, 1.
 LATE_APART: Mapping[str, Any] = {
     **APART, "delay": ((0.02, 0.02), (0.02, 0.2)), "losses": 1, "jitter": 0.004, "age": 0.08,
 }  # fmt: skip
-"""Bounds of v and of omega, each for itself."""
+"""Separate bounds of the delay for v and omega."""
 WHEEL_SCALES = ("curvature", "turn", "drive")
 SCALES = ("axes", *WHEEL_SCALES)
 UNLIKE: Mapping[str, Any] = {"loops": "body", "tau": (0.2, 0.21), "gain": (1.1, 1.1)}
@@ -127,7 +127,7 @@ UNLIKE: Mapping[str, Any] = {"loops": "body", "tau": (0.2, 0.21), "gain": (1.1, 
 
 
 def alike(worlds: Sequence[Mapping[str, Any]], loops: str = "alike") -> list[Mapping[str, Any]]:
-    """Worlds whose loops of v and omega are alike, or are those of the wheels."""
+    """Worlds with equal loops of v and omega, or with loops of the wheels."""
     return [{**world, "loops": loops} for world in worlds]
 
 
@@ -145,7 +145,7 @@ FAST_TURNS: Mapping[str, Any] = {
 SLOW_TURNS: Mapping[str, Any] = {
     "limits.v_u1": (1.0, 2.0), "limits.v_u2": (0.7, 1.4), "filter.odometry": (0.02, 0.04),
 }  # fmt: skip
-"""Limits with which one wheel may nearly stand while v, or omega, is as fast as it may be."""
+"""Limits with which one wheel may nearly stand while v, or omega, is at its limit."""
 BAND, WHEEL_BAND = {"deadband": (0.05, 0.2)}, {"wheel_deadband": 0.05}
 CHAINED = {"second_lag": 0.05, "delay": (0.0, 0.2), "losses": 3, "jitter": 0.02}
 DEAD: Mapping[str, Sequence[Mapping[str, Any]]] = {
@@ -189,11 +189,11 @@ def bands_broken(kind: str, **stated: Any) -> dict[str, Callable[[int, int], Flo
 EXACT_CHAINS, EXACT_WORLDS = (
     [world for world in worlds if "quantum" not in world] for worlds in (CHAINS, WORLDS)
 )
-"""Those without commands that are rounded, an error which counts as a push."""
+"""Chains and worlds without rounded commands, whose error counts as a push."""
 
 
 def sides_broken(kind: str, changes: Mapping[str, Any], loops: str = "body") -> dict[str, Any]:
-    """Hypotheses that are broken by 10 % behind a limit of each direction."""
+    """Trials behind limits by direction that break one hypothesis each by 10 %."""
     broken: dict[str, Mapping[str, Any]] = {"push": {"d": 0.055}, "gain": {"gain": (0.9, 1.21)}}
     if kind == "governor":
         broken |= {"time constant": {"tau": (0.18, 0.3)}, "odometry": {"error": 0.022}}

@@ -23,8 +23,7 @@ PARTS = 4
 class Family:
     """Linear loops: intervals of their numbers, their push, and the values stated to the filter.
 
-    ``corners``: the share of its members that lie at corners; ``error`` of the command that acts
-    [m/s].
+    ``corners``: share of the members at corners; ``error``: error of the acting command [m/s].
     """
 
     numbers: Mapping[str, tuple[float, float]]
@@ -57,7 +56,7 @@ SWUNG = Family(SWUNG_NUMBERS, 0.05, {
     "gain": SWUNG_NUMBERS["K"], "d": (0.05, 0.0), "tau": None, "odometry": None,
 }, second_order=True)  # fmt: skip
 SWUNG_SIDES: Mapping[str, Any] = {"limits.v_min": (-0.6, -1.0), "limits.v_max": (1.0, 1.0)}
-"""Limits of which the clip uses those of both directions: what swings back counts."""
+"""Unequal limits, both of which the clip uses, because a loop also swings back."""
 
 AXES, WHEELS_OF = np.array([(1, 0), (0, 1)]), np.array([(1, 1), (1, -1)])
 ALL_FOUR = np.concatenate([AXES, WHEELS_OF])
@@ -65,19 +64,18 @@ SPEEDS: Mapping[str, tuple[Floats, Floats]] = {
     "v": (AXES[:1], AXES[:1]), "body": (AXES, AXES), "wheels": (WHEELS_OF, ALL_FOUR),
     "rims": (AXES, ALL_FOUR), "unlike rims": (AXES, ALL_FOUR),
 }  # fmt: skip
-"""What has a loop, and what is limited, as parts of v and l omega; "rims": of loops alike."""
+"""Quantities with loops, and limited speeds, by parts of v and l omega; "rims": of equal loops."""
 HEADINGS = np.array([(1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, -3)])
-"""Where commands may head, in v and l omega."""
+"""Directions of commands, in v and l omega."""
 
 
 @dataclass(frozen=True)
 class Calls:
     """Times of a filter's calls, its knowledge, and the effects between it and its base.
 
-    ``when``: "in time", "at any time", within ``jitter`` [s] of its "beat", a period "apart"
-    give or take ``jitter``, or each ``jitter`` too "early".  At most ``losses`` commands in a row
-    are lost.  All come ``late`` samples late, and ``parts`` quarters of a period more if that is
-    worse.
+    ``when``: "in time", "at any time", within ``jitter`` [s] of a "beat", a period "apart" give or
+    take ``jitter``, or each ``jitter`` too "early". At most ``losses`` commands in a row are
+    lost. All come ``late`` samples late, and ``parts`` quarters of a period more if that is worse.
     """
 
     when: str = "in time"
@@ -114,7 +112,7 @@ def linear(
 ) -> Callable[[int, int], Floats]:
     """Trials of linear loops: drawn demands for most, hill climbing from the worst for the rest.
 
-    ``of``: which speeds are limited; ``options`` are those of the compiled filter.
+    ``of``: limited speeds; ``options``: those of the compiled filter.
     """
 
     def run(trials: int, seed: int) -> Floats:
@@ -136,13 +134,13 @@ def linear(
 
 
 CLIMBS, CLIMBERS = 10, 10
-"""Steps of a climb; every how many of the drawn trials, the worst, climb."""
+"""Steps of a hill climb, and drawn trials per climber; the worst ones climb."""
 UNTIMELY = (0.0, 0.02, 0.3, 0.9, 1.0, 1.2, 1.7, 3.0)
-"""Periods from one step to the next where steps come at any time."""
+"""Periods from one step to the next if steps come at any time."""
 
 
 class _Batch:
-    """Robots with their demands, their pushes, and the times of their filters' calls."""
+    """Robots with their demands, pushes, and times at which their filters are called."""
 
     def __init__(
         self,
@@ -153,7 +151,7 @@ class _Batch:
         rng: np.random.Generator,
         count: int,
     ) -> None:
-        """Draw them; each is after one of its speeds."""
+        """Draw the robots; each tries to exceed one of its limited speeds."""
         stated = filtering.scenario
         l, V = stated.robot.l, np.array(stated.limits.v_u1)
         own, rows = SPEEDS[of]
@@ -213,7 +211,7 @@ class _Batch:
     def run(
         self, which: NDArray[np.int64], drawn: Sequence[Floats], times: Floats | None
     ) -> Floats:
-        """Largest share of a limit of each of these robots, for demands, wishes and pushes."""
+        """Largest speed of each of these robots over its limit, for demands, wishes and pushes."""
         asked, wish, pushes = drawn
         A, b, e = (item[:, which].reshape(-1, *item.shape[2:]) for item in self.bases)
         sides = self.sides[which, : asked.shape[1]]
@@ -283,7 +281,7 @@ def _wired(send: Sender, calls: Calls, error: float, wish: Floats) -> Sender:
 
 
 def _times(rng: np.random.Generator, count: int) -> Floats:
-    """Times [s] from each sample to the next: in time but for some, or all; or none for long."""
+    """Times [s] from each sample to the next: punctual with exceptions, or all late, or a gap."""
     share = np.repeat(rng.choice([0.0, 0.05, 0.3, 1.0], (count, SAMPLES // 20)), 20, axis=1)
     late = rng.random((count, SAMPLES)) < share
     some = np.where(late, rng.choice(UNTIMELY, (count, SAMPLES)), 1.0)
@@ -297,9 +295,9 @@ def _demands(
 ) -> tuple[Floats, Floats, Floats]:
     """Demands, pushes of the base and directions of errors, sample by sample.
 
-    By turns: the worst for the base itself seen back from the end, the same after pressing on,
-    swings, chance.  The worst of ``slow`` commands rise while the step response is above its end,
-    and before it first was.
+    By turns: the worst for the base itself, computed backwards from the end; the same after a
+    constant demand; oscillations; random demands. The worst of ``slow`` commands rise while the
+    step response is above its final value, and before it first exceeds this.
     """
     A, b, e = bases
     count = len(A)
@@ -341,7 +339,7 @@ def pushed(kind: str, family: Family, **how: Any) -> Callable[[int, int], Floats
 
 FREE_PI = replace(PI, push=0.0, told={**PI.told, "push": (0.0, 0.0)})
 FREE_SWUNG = replace(SWUNG, push=0.0, told={**SWUNG.told, "d": (0.0, 0.0)})
-"""The same without a push."""
+"""The loops above without a push."""
 SLOW_SWUNG = replace(FREE_SWUNG, told={**FREE_SWUNG.told, "slew": (0.25, 0.25)})
 """Second-order loops behind commands that change by at most 0.25 m/s2."""
 ONE = {"M": (65.0, 65.0), "kp": (135.0, 135.0), "ki": (330.0, 330.0), "c": (0.0, 0.0)}
@@ -354,25 +352,25 @@ ONE_SWUNG = Family(ONE_NUMBERS, 0.0, {
     **FREE_SWUNG.told, "frequency": ONE_NUMBERS["w0"], "damping": ONE_NUMBERS["z"],
     "gain": ONE_NUMBERS["K"],
 }, second_order=True)  # fmt: skip
-"""Loops whose numbers are known, so that the tables cover no more than them."""
+"""Loops with known numbers, so that the tables cover these alone."""
 HARD_SWUNG = replace(SWUNG, push=0.3, told={**SWUNG.told, "d": (0.3, 0.0)})
-"""Second-order loops whose pushes take nearly a third of the limit."""
+"""Second-order loops with pushes that cause nearly a third of the limit."""
 BODY_PI = replace(PI, told={**PI.told, "push": (10.0, 0.625)})
-"""Pushed on both axes alike: l^2 = 1/16 m2."""
+"""Loops of the body with equal pushes on both axes: l^2 = 1/16 m2."""
 RIM_SWUNG = replace(SWUNG, told={**SWUNG.told, "d": (0.05, 0.2)})
 ERRING_PI = replace(FREE_PI, error=0.3, told={**FREE_PI.told, "d": (0.3, 0.3)})
-"""Commands that are off by so much that 5 % more of it counts for more than what tables cover."""
+"""Command errors so large that 5 % more exceeds the reserve of the tables."""
 SLOW = {"w0": (0.5, 0.5), "z": (0.3, 0.3), "K": (1.0, 1.0)}
 ONE_SLOW = Family(SLOW, 0.0, {
     **FREE_SWUNG.told, "frequency": SLOW["w0"], "damping": SLOW["z"], "gain": SLOW["K"],
     "slew": (0.15, 0.15),
 }, second_order=True)  # fmt: skip
-"""A loop with 250 periods a swing behind slow commands."""
+"""Loop with 250 periods per oscillation, behind slow commands."""
 SWAYED = {"slew": (0.25, 1.0), "losses": 1, "delay": (0.0, 0.75 * 1.1 * T), "jitter": 0.1 * T}
 SWAYED_SWUNG = replace(FREE_SWUNG, told={**FREE_SWUNG.told, **SWAYED})
 SWAYED_PI = replace(FREE_PI, told={**FREE_PI.told, **SWAYED})
 SWAYING = Calls("apart", telling=False, jitter=0.1 * T, losses=1, parts=3)
-"""Slow commands of which one may be lost, all come late by chance, and samples do."""
+"""Slow commands, one of which may be lost; commands and samples are late at random."""
 LATER_SWUNG = replace(FREE_SWUNG, told={**FREE_SWUNG.told, "delay": (0.15, 0.15)})
 LATER = Calls(late=3)
 FAR_FROM_SWAYING: Mapping[str, Mapping[str, Any]] = {

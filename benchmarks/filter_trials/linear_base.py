@@ -68,7 +68,7 @@ class LinearBase:
 
 
 def held(A: Floats, B: Floats, h: float) -> tuple[Floats, Floats]:
-    """State and input matrices over a period of held input."""
+    """State and input matrices of a period with held input."""
     n, m = B.shape
     both = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * h)
     return both[:n, :n], both[:n, n:]

@@ -1,6 +1,6 @@
-"""Bases behind a filter that is told limits and free distances: they stop in time, and can leave.
+"""Bases behind a filter with changing limits and free distances: they stop in time, and can leave.
 
-A governor's bases are of first order; those of a clip slow down by at least ``decel`` (`RAMPS`).
+A governor's bases are first-order; those of a clip slow down by at least ``decel`` (`RAMPS`).
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Base:
     decel: Pair | None = None
 
     def scenario(self) -> Scenario:
-        """A scenario whose filter is told these bounds."""
+        """Scenario with a filter for these bounds."""
         sides = self.v, self.omega
         keys: dict[str, Any] = {
             "clock.control": self.period, "limits.v_u1": tuple(map(max, sides)),
@@ -136,7 +136,7 @@ class Choices:
 
 
 class Drives:
-    """The C of a filter's package behind drives of bases."""
+    """Compiled filter package that is run with many simulated drives."""
 
     def __init__(self, told: Base) -> None:
         """Compile it; CompilerError where that fails."""
@@ -157,7 +157,7 @@ class Drives:
 
 
 def breaks(found: Found) -> dict[str, NDArray[np.bool_]]:
-    """Drives that touch, are too fast, too late within a lowered limit, or cannot leave."""
+    """Flags of drives that touch, are too fast, reach a lowered limit too late, or cannot leave."""
     return {
         "touch": found["gap"] < 0,
         "fast": found["over"] > 1,
@@ -174,7 +174,7 @@ MIXED: Sequence[tuple[float, Mapping[str, Any]]] = (
     (0.1, {"driver": PRESS, "far": (0.0, 0.0)}),
     (0.1, {"driver": PRESS, "base": GREEDY, "limits": CONSTANT}),
 )
-"""Shares of drives, and what is chosen in them."""
+"""Shares of drives, each with its choices."""
 
 
 def mixed(filtering: Drives, count: int, seed: int) -> Found:
@@ -187,7 +187,7 @@ def mixed(filtering: Drives, count: int, seed: int) -> Found:
 
 
 def drives(told: Base, count: int, seed: int) -> Found:
-    """Drives of all kinds: half of them without a distance for releases."""
+    """Drives of all kinds, half of them with ``leave`` 0."""
     kinds = sorted({0, told.leave})
     filters = [Drives(replace(told, leave=leave)) for leave in kinds]
     return _together(mixed(item, count // len(kinds), seed) for item in filters)
@@ -293,7 +293,7 @@ TEETH: Mapping[str, tuple[Base, Mapping[str, Any], Mapping[str, Any]]] = {
     "axes that take over apart": (replace(LATE, losses=0), {}, {"apart": 1.0}),
     "a period less than the time for a lowered limit": (PLAIN, {}, {"less": 1.0}),
 }
-"""What is 10 % beyond its bound, or as it says: what is told, what is true, what is chosen."""
+"""Violations by 10 % or as named: stated bounds, true values, choices of the drive."""
 SLOWS = replace(_SLOWS, delay=(0.1, 0.1), leave=0)
 RAMP_TEETH: Mapping[str, tuple[Base, Mapping[str, Any], Mapping[str, Any]]] = {
     "deceleration": (SLOWS, {"decel": (0.9, 1.8)}, {}),
@@ -310,14 +310,14 @@ RAMP_TEETH: Mapping[str, tuple[Base, Mapping[str, Any], Mapping[str, Any]]] = {
     "things come nearer twice as fast": (replace(SLOWS, nearing=0.2), {"nearing": 0.4}, {}),
     "distances older by a period": (replace(SLOWS, free_age=0.2), {"free_age": 0.25}, {}),
 }
-"""The same of bases that slow down."""
+"""Violations as in `TEETH`, for bases with a least deceleration."""
 HARD: Sequence[Mapping[str, Any]] = (
     {"driver": PRESS, "base": GREEDY, "limits": CONSTANT, "far": (0.5, 4.0)},
     {"driver": PRESS, "base": GREEDY, "limits": KEPT, "far": (0.0, 0.0)},
     *({"driver": kind, "base": GREEDY, "limits": CONSTANT, "near": True, "seconds": 30.0}
       for kind in (TAPS, ONE_STEP, BACK, SLOWLY)),
 )  # fmt: skip
-"""Drives that are hard on a filter: to a wall, with limits that fall, and away from a wall."""
+"""Demanding drives: towards a wall, with falling limits, and away from a wall."""
 HARD_RAMPS: Sequence[Mapping[str, Any]] = (
     *(
         {"driver": kind, "far": (0.3, 3.0), "axis": 0}
@@ -325,11 +325,11 @@ HARD_RAMPS: Sequence[Mapping[str, Any]] = (
     ),
     *({"driver": kind, "near": True} for kind in (TAPS, BACK)),
 )
-"""The same of bases that slow down: also with a stop from full speed."""
+"""Demanding drives of bases with a least deceleration, also with a stop from full speed."""
 
 
 def bitten(name: str, count: int, seed: int) -> Found:
-    """Drives of a base beyond one bound (`TEETH`), as many of each of `HARD`."""
+    """Drives of a base beyond one bound (`TEETH`), the same number for each of `HARD`."""
     return _bitten(*TEETH[name], HARD, count, seed)
 
 
@@ -360,7 +360,7 @@ RULES: Sequence[str] = (
     "quick, no push, no brake", "0 to 30 ms late", "0.1 s late", "0.2 s late", "0.364 s late",
     "slow", "push of 0.2 m/s, brake 0.4 s",
 )  # fmt: skip
-"""Bases on which other rules are tried as well."""
+"""Bases for the comparison with other rules."""
 HORIZONS = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 TO_THE_WALL: Mapping[str, Any] = {
     "axis": 0, "side": 0, "base": DRAWN, "driver": PRESS, "limits": CONSTANT, "far": (2.0, 5.0),
@@ -370,13 +370,13 @@ TO_THE_WALL: Mapping[str, Any] = {
 
 @dataclass(frozen=True)
 class Compared:
-    """Gaps [m] on chance bases that press on to a wall: medians, and shares that touch.
+    """Gaps [m] of random bases driven towards a wall: medians, and shares that touch it.
 
-    ``filtered``: this filter, without a distance for releases and with that for one. ``approach``:
-    nav2's rule with its own horizon of 1.2 s: share that touches, and least gap. ``tuned``: least
-    horizon [s] of `HORIZONS` with which it never touches, its median gap, and the share that then
-    touches where the adversary chooses the base; None without one.
-    ``root``: share that touches with sqrt(2 a d), a = 1 m/s2, 0.1 m kept.
+    ``filtered``: this filter, with ``leave`` 0 and 1. ``approach``: nav2's rule with its own
+    horizon of 1.2 s: share that touches, and least gap. ``tuned``: least horizon [s] of `HORIZONS`
+    with which that rule never touches, its median gap, and the share that touches if the adversary
+    chooses the base; None if there is no such horizon. ``root``: share that touches with the rule
+    sqrt(2 a d), a = 1 m/s2, with a margin of 0.1 m.
     """
 
     filtered: tuple[float, float]
@@ -386,7 +386,7 @@ class Compared:
 
 
 def compared(name: str, count: int, seed: int = 5) -> Compared:
-    """The filter beside other rules, which are transcribed: nav2 itself is not run."""
+    """Compare the filter with our own versions of other rules; nav2 itself is not run."""
     told = FAMILIES[name]
     plain = Drives(replace(told, leave=0))
     one = Drives(replace(told, leave=1)) if math.isfinite(told.rest) else plain

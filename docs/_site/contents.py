@@ -1,7 +1,7 @@
-"""The site's contents are the lists of links on its index pages, so that nothing is listed twice.
+"""Table of contents of the site, from the lists of links on its index pages.
 
 On a page called ``index.md`` every link at the start of a list item is an entry, and the heading
-above it the entry's caption.  Forges show the same page as plain Markdown.
+above it the entry's caption. Forges show the same page as plain Markdown.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The live page, written into the site by the command that users have for it."""
+"""Write the live page into the site, by the command `wmr-ctrl page`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
 NAME = "robot.html"
-"""File beside the site's index."""
+"""Name of the live page's file, beside the site's index."""
 
 
 def _finished(app: Sphinx, exception: Exception | None) -> None:

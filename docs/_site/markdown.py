@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A pipe table; cells may hold Markdown, and no line ends."""
+    """Markdown table; cells may contain Markdown, but no line breaks."""
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join("| " + " | ".join(map(_cell, line)) + " |" for line in lines)
 
@@ -17,12 +17,12 @@ def _cell(text: str) -> str:
 
 
 def code(text: str) -> str:
-    """Text as code; nothing for nothing."""
+    """Text in code marks; "" for an empty text."""
     return f"`{text}`" if text else ""
 
 
 def number(value: object) -> str:
-    """A default as a TOML file has it."""
+    """Default value in TOML."""
     if value is None:
         return ""
     if isinstance(value, bool):

@@ -11,13 +11,13 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
 DIGITS = re.compile(r"\\frac(\d)(\d)")
-"""A half without braces, which docutils reads as a fraction of twelve."""
+"""``\\frac12`` without braces, which docutils misreads."""
 MATHML = "http://www.w3.org/1998/Math/MathML"
 ElementTree.register_namespace("", MATHML)
 DOTS = "˙¨"
-"""Accents below whose letter docutils puts an index."""
+"""Accents for which docutils puts an index below the letter."""
 SPELT = {r"\dots": r"\ldots"}
-"""Commands that docutils knows under another name."""
+"""Commands that docutils knows by another name."""
 
 
 def mathml(text: str, *, block: bool = False) -> str:
@@ -30,7 +30,7 @@ def mathml(text: str, *, block: bool = False) -> str:
 
 
 def _indexed(text: str) -> str:
-    """MathML in which the index of a letter with dots stands beside it, not below."""
+    """MathML with the index of a dotted letter beside the letter, not below."""
     if not any(dot in text for dot in DOTS):
         return text
     tree = ElementTree.fromstring(text)

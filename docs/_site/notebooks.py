@@ -1,6 +1,6 @@
-"""Pages of notebooks: prose from the notebooks in ``analysis``, figures from beside the pages.
+"""Pages of notebooks: text from the notebooks in ``analysis``, figures from beside the pages.
 
-A page in the tree shows the figures alone; the site puts them among the notebook's prose.
+A page in the tree shows the figures alone; the site adds the notebook's text around them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from sphinx.application import Sphinx
 
 NOTEBOOKS = Path(__file__).parents[2] / "analysis"
 LINK = re.compile(r"(\]\(\d\d-[\w-]+)\.ipynb\b")
-"""A link to a notebook, beside which its page has the same name."""
+"""Link to a notebook; its page has the same name."""
 
 
 def page(notebook: Path, pages: Path) -> str:
@@ -35,7 +35,7 @@ def page(notebook: Path, pages: Path) -> str:
 
 
 def order(figure: Path) -> list[int]:
-    """Numbers at the end of a figure's name: its cell, and its place among that cell's."""
+    """Numbers at the end of a figure's name: its cell, and its position within the cell."""
     return [int(number) for number in figure.stem.rsplit("_", 2)[-2:]]
 
 

@@ -1,7 +1,7 @@
-"""Parts of pages that are written from the program: never typed, so never out of date.
+"""Parts of pages that are generated from the program, so that they are never out of date.
 
-A block ```` ```{made-from} NAME ```` in a page stands for the Markdown of the function of that
-name in `tables`.
+A block ```` ```{made-from} NAME ```` in a page stands for the Markdown of the function of that name
+in `tables`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import tables
 from sphinx.application import Sphinx
 
 UNSEARCHED = ("ledger", "lemmas")
-"""Pages with every word of every proof: a search that reads them finds little else."""
+"""Pages that the search omits: with the text of all proofs they would fill its results."""
 BLOCK = re.compile(r"^```\{made-from\} ([\w-]+)\n```$", re.M)
 
 
 def filled(text: str) -> str:
-    """A page's text with every such block replaced; KeyError for a name that is not there."""
+    """Text of a page with every such block replaced; KeyError for an unknown name."""
     return BLOCK.sub(lambda match: tables.TABLES[match[1]](), text)
 
 
@@ -30,7 +30,7 @@ def _read(app: Sphinx, name: str, source: list[str]) -> None:
 
 
 def _unsearched(app: Sphinx, doctree: object) -> None:
-    """A page that the search knows by its title alone."""
+    """Limit a page's search entry to its title."""
     if app.env.docname in UNSEARCHED:
         app.env.metadata[app.env.docname]["nosearch"] = "True"
 
@@ -44,7 +44,7 @@ def _epilog(app: Sphinx, context: click.Context, lines: list[str]) -> None:
 def _docstring(
     app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
 ) -> None:
-    """Docstrings write |v1| for an absolute value, which is no substitution."""
+    """Escape |v1| in docstrings: it is an absolute value, not a reST substitution."""
     for place, line in enumerate(lines):
         parts = line.split("``")
         parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]

@@ -1,6 +1,6 @@
 """Reference pages from the program itself: each function returns the Markdown of one part.
 
-They need no Sphinx, so that tests read them without it.
+They need no Sphinx, so that tests can call them without it.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def _range(bounds: Range) -> str:
 
 
 def usual_sizes() -> str:
-    """Beyond which size a value is asked about, and what else it may have been meant in."""
+    """Size from which on `check` asks about a value, and units in which it may have been meant."""
     rows = ((u, written(USUAL[u]), ", ".join(sign for _, sign in OTHERS.get(u, ()))) for u in USUAL)
     return table(("unit", "usual size", "asked for"), rows)
 
@@ -118,7 +118,7 @@ def gains() -> str:
 
 
 def presets() -> str:
-    """The scenarios that come along."""
+    """Scenarios in the package (presets)."""
     return table(("preset", "what it is"), ((code(k), v) for k, v in preset_titles().items()))
 
 
@@ -146,7 +146,7 @@ GROUPS: Mapping[str, str] = {
     "Guard and monitor": "GUARD_DIAGNOSTICS GUARD_ACTED REFUSED",
     "Rigid body": "RIGID",
 }
-"""Heading to names of `wmr_ctrl.core.signals`; a test holds that none is missing."""
+"""Names of `wmr_ctrl.core.signals` by heading; a test checks that none is missing."""
 
 
 def catalogue() -> dict[str, list[Signal]]:
@@ -200,7 +200,7 @@ def outcomes() -> str:
 
 
 def failures() -> str:
-    """The exceptions that a user can cause."""
+    """Exceptions that a user can cause."""
     public = (getattr(wmr_ctrl, name) for name in wmr_ctrl.__all__)
     found = [e for e in public if inspect.isclass(e) and issubclass(e, errors.WmrError)]
     return table(("exception", "what it is"), ((code(e.__name__), summary(e)) for e in found))
@@ -210,13 +210,13 @@ def failures() -> str:
 
 
 def errata() -> str:
-    """Equations that do not stand as printed."""
+    """Equations that are not correct as printed."""
     found = (e for e in equations() if e.status != "as printed")
     return "\n".join(f"- **({e.number}) {e.title}**, *{e.status}.* {e.note}" for e in found)
 
 
 def readings() -> str:
-    """What had to be read into the paper."""
+    """Choices where the paper is silent or unclear."""
     text = files("wmr_ctrl.report").joinpath("readings.toml").read_text(encoding="utf-8")
     return "\n\n".join(map(_reading, tomllib.loads(text)["reading"]))
 
@@ -231,7 +231,7 @@ def _reading(row: Mapping[str, Any]) -> str:
 
 
 def errata_count() -> str:
-    """How many equations stand as printed, and how many do not."""
+    """Number of equations that are correct as printed, and number of the others."""
     stand = sum(e.status == "as printed" for e in equations())
     fixed = sum(e.status == "corrected" for e in equations())
     rest = len(equations()) - stand - fixed
@@ -245,7 +245,7 @@ def errata_count() -> str:
 
 
 def commands() -> str:
-    """Every command, from click itself."""
+    """Help of every command, as click prints it."""
     lines = (".. click:: wmr_ctrl.cli.root:root", "   :prog: wmr-ctrl", "   :nested: full")
     return "\n".join(("```{eval-rst}", *lines, "```"))
 
@@ -315,4 +315,4 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "results": results,
     "building": building,
 }
-"""Parts by the name that pages ask for."""
+"""Functions that write a part, by the name that pages use."""

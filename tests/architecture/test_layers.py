@@ -1,4 +1,4 @@
-"""Who may import whom, as docs/architecture.md says it."""
+"""Allowed imports between rooms, as docs/architecture.md states them."""
 
 import ast
 import re
@@ -38,7 +38,7 @@ THIRD_PARTY = {
 }
 """What each room may import from elsewhere; the command line (cli) may import anything."""
 JOINERS = {"simulation", "api", "cli", "export"}
-"""Who may both compile and run."""
+"""Rooms that may both compile and run."""
 ONLY_RUNS = "wmr_ctrl.simulation."
 BUILDS = tuple(ONLY_RUNS + name for name in ("engines", "campaign", "physics", "tuning"))
 """Modules of the room of runs that may have a loop built; all others are handed one."""

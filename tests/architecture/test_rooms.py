@@ -22,7 +22,7 @@ SNIFFED = {
     "wmr_ctrl.results.formats": "only some errors of the system have a text",
     "wmr_ctrl.simulation.batch": "os.sched_getaffinity is on Linux only",
 }
-"""Where an object may be asked for a name that it may not have, and why."""
+"""Places where code may test whether an object has an attribute, and why."""
 
 
 def folders(package):

@@ -15,7 +15,7 @@ ONES = ("exp", "expm1", "log", "log1p", "sin", "cos", "tan", "tanh", "sinh", "co
         "sin_of_both", "cos_of_both")  # fmt: skip
 PAIRS = ("atan2", "hypot", "pow", "min", "max", "copysign")
 EVERY = (*ONES, *PAIRS, "exp_many")
-"""In the order of each.c."""
+"""Functions, in the order of each.c."""
 
 SOURCE = Path(__file__).parent / "each.c"
 

@@ -32,7 +32,7 @@ GUARD = changes("""
     guard.alpha = 5.0
     initial.velocity = [0.99, -1.45]
 """)
-"""So that it acts on every law."""
+"""Settings with which the guard acts on every law."""
 CASES = {
     "plain": {}, "guarded": GUARD, "effects": EFFECTS, "everything": {**EFFECTS, **GUARD},
 }  # fmt: skip
@@ -74,7 +74,7 @@ class Case:
 
 @functools.cache
 def case(law, name):
-    """One of CASES."""
+    """Case of that name in CASES."""
     setup = settle(load_scenario("paper-simulation", CASES[name]), law)
     return Case(name, setup, build_loop(setup, watched=True))
 

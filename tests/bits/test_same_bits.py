@@ -9,7 +9,7 @@ from wmr_ctrl.codegen.compiler import UNFUSED
 
 NATIVE = "-march=native"
 LANES_OF_OURS = ("-O3", "-fno-tree-vectorize")
-"""As the library for lanes is compiled."""
+"""Compiler flags of our own libraries for lanes."""
 HERE_NOW = (
     Platform("gcc -O2", ("gcc", "-O2")),
     Platform("gcc -O3 native", ("gcc", "-O3", NATIVE, UNFUSED)),
@@ -33,7 +33,7 @@ ELSEWHERE = (
     Platform("wasm 2 lanes", (*WASM, *SIMD128), 2, NODE, HERE / "run.mjs", ".wasm"),
 )
 EVERYWHERE = {platform.name: platform for platform in HERE_NOW + ELSEWHERE}
-"""By name; ``python -m tests.bits`` takes all."""
+"""Platforms by name; ``python -m tests.bits`` tries all of them."""
 
 
 @pytest.mark.slow

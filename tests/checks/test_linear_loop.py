@@ -30,7 +30,8 @@ AWAY = np.array([1.0, -0.5, 0.7, 0.3, -0.2])
 """A displacement of the pose, in the frame of the reference, and of the velocity."""
 SMALL, SAMPLES = 1e-6, 80
 STANDS = {"reference.rate": 0.0}
-"""Where a mean, which shows no speed at the first sample, and viscous friction leave the robot."""
+"""Reference at rest, where the robot stays with viscous friction or with a mean of velocities,
+which shows no speed at the first sample."""
 EFFECTS = {
     "none": "",
     "lag": "actuator.lag = 0.02",

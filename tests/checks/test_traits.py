@@ -16,7 +16,7 @@ FOREIGN = {
     "barrier": r"barrier|v_u2|Eqs?\. \((9|10|15)\)",
     "model": r"believe|model\.|the exact model",
 }
-"""What is said of a trait, and to nobody without it; the guard's own theorem is another matter."""
+"""Words about a trait, which a law without it must not read; the guard's own theorem is exempt."""
 HARSH = {
     "gains.kinematics.k": "10, 0.5, 4",
     "reference.speed": "1.2",

@@ -20,7 +20,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 main()
 """
 PROGRAM = (sys.executable, "-c", CODE)
-"""It hears Ctrl-C even where the tests were started to ignore it, as a shell's background is."""
+"""Command line that reacts to Ctrl-C even if the tests were started to ignore it, as in a shell's
+background."""
 SHORT = ("--engine", "numpy", "--set", "clock.duration=0.2")
 """Options of a run that needs neither a compiler nor time."""
 

@@ -12,7 +12,7 @@ from wmr_ctrl.world.scenario import load_scenario, override, preset_names
 
 SHORT = ("--set", "clock.duration=0.2")
 NOISY = {"encoder.counts": 16.0, "gains.kinematics.k": [10.0, 5.0, 4.0]}
-"""So coarse that every law's gains are objected to."""
+"""Noise for which every law's gains cause objections."""
 
 
 @pytest.mark.parametrize("name", preset_names())

@@ -35,14 +35,14 @@ page --scenario mine.toml
 study plan.toml --out s
 dossier mine.toml
 """
-"""How each command that writes files by name is called with a file that it reads."""
+"""Calls of each command that writes named files, with a file that it reads as the output."""
 FOLDERS = """
 study plan.toml --out | table.csv
 codegen pid --scenario mine.toml --out | README.md
 export modelica --scenario mine.toml --out | WheeledRobot.mo
 linearize circle.toml --law pid --plot | circle-pid-bode.png
 """
-"""The same of commands that write a folder, and a file of it."""
+"""Calls of commands that write a folder, with a file that they read in it."""
 READS_NOTHING = ("prove", "bench", "reproduce")
 SUFFIXES = (".csv", ".npz", ".svg", ".png", ".html", ".toml", ".gif", ".yaml")
 

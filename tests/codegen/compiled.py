@@ -15,7 +15,8 @@ from wmr_ctrl.codegen.toolchain import build_library, find_toolchain
 _HEAD = '#define WMR_KERNEL __attribute__((visibility("default")))\n#include "arithmetic.h"\n'
 REALS = ct.POINTER(ct.c_double)
 ELEMENTARY = {ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SIN: "sin", ca.OP_COS: "cos"}
-"""Of all other operations there is only one right result."""
+"""Elementary functions, whose last digits may differ; all other operations have one correct result.
+"""
 
 
 def made(y, name="made", *, prepared=False, **inputs):

@@ -42,7 +42,7 @@ PACKAGES = tuple(
     for law in NAMES for float32 in (False, True) for guarded in (False, True)
 )  # fmt: skip
 SCENARIOS = {False: "paper-simulation", True: "safe-simulation"}
-"""By whether the guard is on."""
+"""Scenario with and without a guard."""
 ROBOTS = ("robot-10ms", "robot-100ms")
 """Guarded scenarios with encoders and late drives, whose packages are compiled only."""
 GOVERNED = """

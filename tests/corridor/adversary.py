@@ -25,7 +25,7 @@ STRIDE = 15
 """Samples between the trials of a single push."""
 DIRECTIONS = [(math.cos(t), math.sin(t)) for t in np.arange(8) * math.pi / 8]
 TRIED = 2
-"""Of the worst sequences for DIRECTIONS so many are tried: those of the largest sum of answers."""
+"""Number of worst sequences that are tried, those with the largest sums of responses."""
 
 
 @dataclass(frozen=True)

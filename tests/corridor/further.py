@@ -23,7 +23,7 @@ EXACT = changes("""
     sensor.velocity_noise = [0.0, 0.0]
 """)
 QUICK = changes("gains.kanayama.k = [3.57, 64.6, 16.1]")
-"""Of the preset without its noise, and gains with which kanayama keeps close then."""
+"""Gains with which kanayama stays close to its path, for the preset without noise."""
 PUSHED = changes("""
     disturbance.std = 1e-4
     disturbance.truncate = 3.0

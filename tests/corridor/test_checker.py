@@ -142,7 +142,7 @@ LARGER = {
     "push": 0.1, "pose": 1e-5, "velocity": 1e-4, "reckoned": 1e-4, "wide": 1.0, "command": 0.1,
     "dead": 100.0, "start": 1e-4, "law_gap": 0.1, "step_gap": 1e-4, "gap": 1e-4, "off": 0.1,
 }  # fmt: skip
-"""What is added to each input."""
+"""Increase of each input."""
 
 
 @pytest.mark.parametrize("name", LARGER)

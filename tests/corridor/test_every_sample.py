@@ -40,7 +40,7 @@ GAINS = changes("""
     guard.enabled = false
     gains.prox = {rho = [42.9, 21.74], wo = 10.0}
 """)
-"""With k1 = 16.8, quick enough for these bounds to have much to count at 50 ms."""
+"""Gains with k1 = 16.8, fast enough to make these bounds large at 50 ms."""
 
 
 def simulated(*parts):

@@ -13,7 +13,7 @@ from wmr_ctrl.world.scenario import load_scenario, preset_names
 
 pytestmark = pytest.mark.slow
 CAUSES = ("disturbance.truncate", "[encoder]", "linear loop")
-"""What a comment and the certificate's refusal both name."""
+"""Causes that both a comment and the certificate's refusal name."""
 
 
 @pytest.fixture(scope="module")

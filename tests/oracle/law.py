@@ -35,6 +35,6 @@ class Sight:
     applied: Pair = (0.0, 0.0)
     """Mean torque (right, left) of the previous sample, behind the drives [N m]; 0 at first."""
     v_c0_dot_reference: Pair = (0.0, 0.0)
-    """What the reference's acceleration adds to v_c0_dot [m/s2, rad/s2]."""
+    """Contribution of the reference's acceleration to v_c0_dot [m/s2, rad/s2]."""
     sent: Sequence[Pair] = ()
     """Torques (right, left) commanded so far, the latest first [N m]."""

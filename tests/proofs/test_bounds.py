@@ -40,7 +40,7 @@ COMPARED = {
     "lag": {"lag": "world.lag.bound"},
     "wheels": {"dbar": "world.wheels.thrust world.wheels.moment"},
 }  # fmt: skip
-"""By effect and number of its bound: the entry for both axes, or one for each."""
+"""Entries by effect and number of its bound: one for both axes, or one for each."""
 MORE = [
     ("encoder", "nbar", 0, "world.wheels.misread-v1"),
     ("encoder", "nbar", 1, "world.wheels.misread-omega"),

@@ -25,7 +25,7 @@ from wmr_proofs.runner import hashes, selected
 
 IDS = [claim.id for claim in all_claims()]
 EACH = 24
-"""Of the entries in their order every sixth is looked at by default, and all with ``slow``."""
+"""Step through the entries by default; with ``slow`` all are tested."""
 
 
 def test_ids_are_unique_and_those_of_the_committed_ledger():

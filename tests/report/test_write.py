@@ -48,7 +48,7 @@ def shares():
 
 @pytest.fixture(scope="module")
 def written(campaign, shares, tmp_path_factory):
-    """All files; of the figures those in SHOWN."""
+    """All written files; of the figures only those in SHOWN."""
     out = tmp_path_factory.mktemp("made") / "new" / "folder"
     with drawn_for_the_page(SHOWN.__contains__):
         return write_reproduction(

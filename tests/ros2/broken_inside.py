@@ -23,7 +23,7 @@ CALLED = {
     "drive": ("odometry", "tick", "halt", "reset", "send", "details"),
     "filter": ("command", "measure", "tick", "halt", "reset", "send", "details"),
 }
-"""What the callbacks call, of the core or else of the node."""
+"""Functions that callbacks call, of the core or else of the node."""
 
 
 def breaks(*_given, **_named):

@@ -15,7 +15,7 @@ from outside import PATIENCE, SURE, Base, missing, start_drive
 from std_msgs.msg import Float64MultiArray
 
 MASS, INERTIA, FRICTION, RADIUS, HALF_TRACK = 50.0, 5.4, 0.08 * 50.0 * 9.81, 0.1, 0.25
-"""Those of the scenario [kg, kg m2, N, m, m]."""
+"""Mass, inertia, friction, wheel radius and half track of the scenario [kg, kg m2, N, m, m]."""
 
 
 class Wheels(Base):

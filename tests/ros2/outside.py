@@ -36,11 +36,11 @@ CONFIGURE, CLEAN_UP, ACTIVATE, DEACTIVATE = 1, 2, 3, 4
 """Transitions of a lifecycle."""
 RATE = 0.02
 SOON = "discovery_time:=0.0"
-"""For nodes that need not look for others before they start."""
+"""Setting for nodes that need not look for others before they start."""
 PUNCTUAL = 0.04
 """Delay of a message of this process [s] that is no fault of its own."""
 ATTEMPTS = 40
-"""At most so often a fault is made anew in which this process was late."""
+"""Most repetitions of a fault in which this process was late."""
 LASTS = 0.9
 """Time of a fault [s], longer than any time-out and the ramp after it."""
 AWAITED = 10.0
@@ -65,7 +65,7 @@ class Base:
     """
 
     name, period, cruise = "wmr_drive", RATE, 0.25
-    """Of the node; time between messages [s]; speed [m/s] at which it is known to drive."""
+    """Name of the node; time between messages [s]; speed [m/s] at which it drives."""
 
     def __init__(self, process=None, simulated=False):
         self.process, self.simulated = process, simulated

@@ -108,7 +108,7 @@ bool nav2_msgs__msg__SpeedLimit__init(nav2_msgs__msg__SpeedLimit *message);
 const rosidl_message_type_support_t *ROSIDL_TYPESUPPORT_INTERFACE__MESSAGE_SYMBOL_NAME(
     rosidl_typesupport_c, nav2_msgs, msg, SpeedLimit)(void);
 """
-"""In place of nav2's header, of which there is no wheel."""
+"""Replacement for nav2's header, for which there is no wheel."""
 
 
 @pytest.mark.slow

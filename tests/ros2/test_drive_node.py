@@ -125,7 +125,7 @@ def test_a_second_node_is_refused_and_a_twin_is_told_also_for_a_while_after_its_
 LASTING = ("missing", "in map", "of a laser", "no rotation", "NaN", "without stamp", "old",
            "repeated")  # fmt: skip
 TIMEOUT = 0.1
-"""Of the node [s]."""
+"""Time-out of the node [s]."""
 STEP = 2.0 * TICK * 1.01
 """Most that a tick may take off the speed [m/s]; fall is 2 m/s2."""
 
@@ -173,7 +173,7 @@ def test_what_latches_waits_for_a_reset(faults):
 
 
 PERIOD = 0.05
-"""Of the law that gives torques [s]; a sample later than one and a half is none."""
+"""Period of the law that commands torques [s]; a sample after 1.5 periods counts as missing."""
 
 
 def in_time(found, seconds):

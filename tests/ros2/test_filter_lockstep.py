@@ -18,7 +18,7 @@ SETTINGS = (
 GOVERNOR = BASES["velocity, governor"][1]
 AT_REST, WILD = 300, 100
 SAMPLES = 200
-"""Of a run behind the drive."""
+"""Number of samples of a run behind the drive."""
 pytestmark = [pytest.mark.slow, OVER_DDS]
 
 

@@ -16,7 +16,7 @@ from wmr_ctrl.ros2.sight import SightSettings
 
 AT_ONCE = GateSettings(odometry="none", rise=(1e6, 1e6), fall=(1e6, 1e6))
 FULL = 0.44
-"""Speed [m/s] that the filter reaches where nothing limits it but the limit itself."""
+"""Speed [m/s] that the filter reaches if only the limit restricts it."""
 
 
 @cache

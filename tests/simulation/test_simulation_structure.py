@@ -28,8 +28,8 @@ BASES = {
 }
 TIMES = {"clock.control", "clock.plant", "clock.duration", "actuator.delay", "actuator.lag"}
 FIXED = {*TIMES, "sensor.pose_period", "limits.v_min", "limits.v_max"}
-"""What a past command counts for is a number of the graph, and so are all times that it has.
-What limits each direction by itself makes another graph."""
+"""Keys whose values are numbers of the graph: all times, which set the weights of past commands.
+Separate limits by direction make another graph."""
 TABLES = ("robot", "limits", "initial", "disturbance", "sensor", "actuator")
 
 

@@ -105,7 +105,7 @@ def ramp(scenario):
 
 
 RAMP = Effect("toy ramp", EffectRole.DRIVE, ToyRamp, ramp, rate=Rate.STEP)
-"""It states no bound."""
+"""A drive that states no bound."""
 
 
 # A force on the body, in each plant step.

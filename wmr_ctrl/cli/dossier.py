@@ -37,7 +37,7 @@ HOLDS = (ledger.PROVED, ledger.LEMMA, ledger.HAND)
 
 
 def kind_of(setup: Setup) -> str:
-    """Which promise a scenario gets: "guard", "clip", "governor", "band", "loops" or "slew"."""
+    """Kind of promise of a scenario: "guard", "clip", "governor", "band", "loops" or "slew"."""
     own = setup.scenario.filter
     if not setup.takes_velocity:
         return "guard"

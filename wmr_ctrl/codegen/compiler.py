@@ -128,8 +128,8 @@ UNFUSED = "-fno-tree-slp-vectorize"
 with a sum and a product with a difference, whatever -ffp-contract says.  Of loops it can make the
 same only where they take every other number, and generated loops take one after the other."""
 WITHOUT_RUNTIME = ("-nostdlib", "-lc", "-lm")
-"""As loops need: zig would compile functions of its own first, six seconds for each target. For
-Windows it does, with MinGW's C library: a minute, once for a cache."""
+"""Linker flags for loops; without them zig compiles its own functions first, six seconds for each
+target. For Windows it does so with MinGW's C library: a minute, once per cache."""
 _TELLING_OF_A_PROCESSOR = ("model name", "flags", "Features", "CPU part")
 
 

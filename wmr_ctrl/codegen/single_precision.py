@@ -37,8 +37,8 @@ PERIODS = {
 precision did; the tests of the boards repeat it."""
 
 BAND_MARGIN = 2.0**-12
-"""The same for the command filter's band, whose forecasts are sums over up to 128 commands: each
-adds three roundings of at most four times the limit, and its tables are rounded, too."""
+"""Margin of the command filter's band: its forecasts are sums over up to 128 commands, each with
+three roundings of at most four times the limit, and its tables are rounded, too."""
 
 
 def with_margin(system: System, margin: float = MARGIN) -> System:

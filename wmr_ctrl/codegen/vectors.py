@@ -21,7 +21,8 @@ SAMPLES = 6
 FAR = 100.0
 """Free distances [m, rad] that limit no command."""
 TOLERANCES = {False: 1e-12, True: 2e-4}
-"""By whether it is single precision: largest error of a torque, relative to 1 N m + its size."""
+"""Largest error of a torque, relative to 1 N m + its size, in double (False) and single precision.
+"""
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ SEEN = (*SUMS, "peak", "clip1", "clip2", "least1", "least2", "beyond1", "beyond2
 """Monitor of every run without a log: also the largest |torque| [N m], and of the guard's
 monitor per axis whether it clipped, d_least [N, N m], and whether that contradicts the bounds."""
 GAP = "gap"
-"""With obstacles also the distance of the body from the nearest [m]."""
+"""Name of the distance between body and nearest obstacle [m], logged if there are obstacles."""
 SIDES = ("v_max_linear", "v_max_angular", "v_min_linear", "v_min_angular")
 COUNTED = (*SIDES, "wheel_speed", "half_track")
 CLOCK = ("control", "plant", "delay_steps", *COUNTED)

@@ -24,7 +24,7 @@ HOMES = {
     "needed_by": "wmr_ctrl.theory.checks.outlook",
     "left_corridor": "wmr_ctrl.theory.corridor",
 }
-"""Each function, and the module that it is found in."""
+"""Module of each function."""
 
 
 def late_bound(name: str) -> Callable[..., object]:

@@ -2,6 +2,6 @@
 
 BAG = ".mcap"
 RUNS = (".npz", ".csv", BAG)
-"""All but a bag are read back as runs, by `results/formats.py`."""
+"""Suffixes of runs; all but a bag are read back as runs, by `results/formats.py`."""
 RUN_FILE = ".npz or .csv"
-"""Those that are read back, as words."""
+"""Text with the suffixes that are read back."""

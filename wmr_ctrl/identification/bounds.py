@@ -185,11 +185,11 @@ class BaseIdentification(ABC):
     judgements: tuple[Judgement, ...] = field(default=(), kw_only=True)
     """How well each axis is explained, if it was driven."""
     notes: tuple[Note, ...] = field(default=(), kw_only=True)
-    """What was noticed of the log before it was fitted."""
+    """Observations about the log from before the fit."""
     left_out: tuple[LeftOut, ...] = field(default=(), kw_only=True)
     """Stretches that no fit counts."""
     origin: Origin = field(default_factory=Origin, kw_only=True)
-    """What the written scenario extends."""
+    """File that the written scenario extends."""
     seconds: float = field(default=0.0, kw_only=True)
     """Length of the log [s]."""
     range: Mapping[str, Pair] = field(default_factory=dict, kw_only=True)

@@ -47,7 +47,7 @@ LESS = 8.0
 ACCEPTED = 1.92
 """Fall of the log-likelihood at the end of an interval by the likelihood."""
 FINEST = 3e-4
-"""Least noise of force and speed, over how much these vary."""
+"""Least noise of force and speed, relative to their variation."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ LEVELS = EXPLAINED, IN_PART, NOT_EXPLAINED = "explained", "in part", "not explai
 MORE_TOLD = 0.04
 """Share of the speed's rms, foretold beyond the model, above which it explains only a part."""
 MOST_TOLD = 0.12
-"""The same above which the model explains nothing."""
+"""Share of the speed's rms, predicted beyond the model, above which it explains nothing."""
 BY_OTHER = 2.0
 """Factor by which the other axis must add to what commands tell to be named."""
 APART = 2.0
@@ -66,7 +66,7 @@ LIKE_PI = 0.01
 """Distance of its gain from 1 within which a second-order loop may be a PI loop behind a lag."""
 KNOTS = (0.0, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 1.0)
 LAGS = (0.0, 0.1, 0.25, 0.5)
-"""By how much later commands may act than by the model [s]."""
+"""Further delays of commands, compared with the model [s]."""
 PARTS = 10
 RIDGE = 3e-3
 Reach = Mapping[str, Pair]

@@ -43,7 +43,7 @@ SPEEDS = (0.03, 0.1, 0.3)
 """Time constants that fits are started from [s]."""
 GAIN_OF_BIC = 4.0
 MORE: Sequence[Names] = ((), ("accel",), ("lag",))
-"""What may be beside a loop without further structures."""
+"""Parameters that may be added to a loop before further structures."""
 LAGS = 0.01 * 2 ** (np.arange(12) / 2)
 """Lags of a sensor that a log may hide [s]."""
 Starts = Callable[[LoopFit], Sequence[Values]]

@@ -38,8 +38,8 @@ LATE_POINTS = 5, 3
 CONSTANT = ("m", "I", "delay")
 """Numbers that must not change within a log."""
 CREEP, CREEP_LAG = 0.01, 0.005
-"""By how much creeping tread may hide delay and lag [s], which no log of wheels tells: m/(2 C)
-for 30 kg on tyres of 1500 N s/m, and by how much fits of such logs miss the lag on average."""
+"""Delay and lag [s] that creeping tread may hide from any log of wheels: m/(2 C) for 30 kg on tyres
+of 1500 N s/m, and the mean error of fits of such logs."""
 SIGMAS = 3.0
 NEWTON = 1.0
 

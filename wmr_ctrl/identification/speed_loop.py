@@ -56,7 +56,7 @@ RANGES: Mapping[str, Pair] = {**with_tuples(_DATA["ranges"]), "delay": (0.0, LON
 NEAR_END = 0.98
 ENOUGH = 0.01
 MOST_VAGUE = 0.5
-"""Half-width of a logarithm from which on a number is no reason for a richer loop."""
+"""Half-width of a parameter's logarithm from which on it does not justify a richer loop."""
 SMOOTHED = 0.1
 """Time over which deviations are averaged before the largest counts as a push [s]: shorter ones
 are the sensors'."""

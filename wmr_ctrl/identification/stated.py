@@ -27,7 +27,7 @@ from .written import values_in
 
 LIMITS, BARRIER, TORQUE = "limits.v_u1", "limits.v_u2", "actuator.tau_max"
 STAND_IN: Mapping[str, object] = data(__package__, "stand_in.toml")
-"""What a log is read with until it says better; what nobody stated is not written."""
+"""Numbers for reading a log before it is identified; unstated ones are not written."""
 LEAST_SEEN = 0.01
 """Least speed that counts as motion [m/s, rad/s]: what sensors show at rest is less."""
 MOST_FAR = 2.0

@@ -15,7 +15,7 @@ COLUMNS = (
     ("left", "right", "e₂"),
     ("turned left", "turned right", "e₃"),
 )
-"""Of each column of panels: the direction that is drawn, its opposite, and the error's element."""
+"""Columns of panels: the drawn direction, its opposite, and the element of the error."""
 DEVIATIONS = (1e-4, 3.0)
 """Deviations that are shown."""
 

@@ -18,7 +18,7 @@ from .stage import frames
 
 SUFFIXES = (".gif", ".html")
 _FRAMES = {".gif": 250, ".html": 2000}
-"""At most as many frames are shown."""
+"""Most frames of an animation."""
 GIF_MILLISECONDS = 80
 """Time that a frame of a GIF is shown; whole runs thus take 20 s."""
 _GIF_COLOURS = 48

@@ -23,7 +23,7 @@ from .style import GRID, INK, LIMIT, MUTED
 WITHIN = 0.53
 """Half track of a robot drawn within its body's circle, as a share of the circle's radius."""
 MOST_WAYPOINTS = 60
-"""More would hide the path that they are on."""
+"""Most waypoints that are drawn; more would hide their path."""
 
 
 @dataclass(frozen=True)

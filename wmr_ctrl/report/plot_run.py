@@ -40,7 +40,7 @@ SMALL = 0.1
 """Errors that come farther [m, rad] are drawn on a scale that is logarithmic beyond NARROW."""
 NARROW = 0.01
 LARGE = 10.0
-"""Errors that come farther [m, rad] are in m and rad, others in mm and mrad."""
+"""Errors [m, rad] above which a plot uses m and rad; below it uses mm and mrad."""
 LEAST = 1e-12
 """Values of V1 below it are drawn there."""
 WIDTH = 64

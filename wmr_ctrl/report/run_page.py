@@ -13,7 +13,7 @@ from .run_rows import MOST_ROWS, guard_relies_on, rows_of
 from .style import driver
 
 WORDS = {True: "tracked", False: "did not track", None: ""}
-"""Whether a run tracked, by `tracked`."""
+"""Words for the values of `tracked`."""
 
 
 def write_run_page(run: Run, path: AnyPath) -> None:

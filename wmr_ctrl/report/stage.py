@@ -22,7 +22,7 @@ _SIZE = (5.6, 6.2)
 """Width and height [inch]."""
 _GAUGES = (0.2, 0.03, 0.77, 0.1)
 _BEYOND = 1.5
-"""How far the gauges go beyond the limits."""
+"""Range of the gauges, in units of the limits."""
 Picture: TypeAlias = NDArray[np.uint8]
 """Rows, columns, colours."""
 

@@ -83,7 +83,7 @@ def load_run(path: AnyPath) -> Run:
 
 
 OTHER_TABLES = "; a log is read by `wmr-ctrl identify`, a path by reference.file of a scenario"
-"""What else a .csv may be."""
+"""Sentence on other tables that a .csv file may contain."""
 
 
 def check_suffix(path: AnyPath) -> str:

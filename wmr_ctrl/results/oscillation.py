@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 LINE = 1 / 3
 """Share of the fast swing's power that has to be in one line."""
 SHARP, SHORT_LINE = 20, 0.75
-"""With fewer periods than the first, a line takes in much of its surroundings, and so the noise:
-more of the power has to be there."""
+"""Number of periods below which a line includes much of the surrounding noise, and the larger share
+of the power that it then needs."""
 PERIODS = 4
 """Fewest periods in the window: less may be what a start leaves behind."""
 KEPT = 2 / 3
@@ -36,7 +36,7 @@ KEPT = 2 / 3
 SWING = 0.9
 """Peak to peak swing in that line, as a share of the torques' RMS, from which it counts."""
 LEAST = 1e-3
-"""The same in N m: less is nothing that a drive could show."""
+"""Least peak to peak swing in N m; a drive could not show a smaller one."""
 SLOWEST, SAMPLES = 0.5, 8
 """A cycle of torque is faster than this [Hz], or shorter than so many samples."""
 SWAY = 0.3

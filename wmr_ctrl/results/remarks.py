@@ -53,7 +53,7 @@ BASE_CAUSES = ("dead-band", "wheel-limit", "quantum", "ramps", "losses")
 OBJECTED = "objected"
 """Key of what `wmr-ctrl check` objects to."""
 NOT_CHECKED = "not-checked"
-"""Key of what theory was not asked, since it takes more work than a verdict may."""
+"""Remark key: theory was not evaluated, because it takes more work than a verdict may."""
 SHORT = {
     "not-tracked": "it did not track",
     "goal-not-reached": "it did not reach its goal",
@@ -345,7 +345,7 @@ def _filtered(run: Run) -> Iterator[str]:
 
 
 def _caused(run: Run, key: str) -> Iterator[str]:
-    """What the base did to the commands of a run that missed its path or goal."""
+    """Remarks on effects of the base on the commands of a run that missed its path or goal."""
     causes = run.outlook.causes if run.outlook is not None else {}
     if key in causes and any((*_not_tracked(run), *_not_arrived(run))):
         yield causes[key]

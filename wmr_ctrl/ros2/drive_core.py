@@ -25,7 +25,7 @@ from .native import NS, in_ns
 CALM = 3
 """Messages that must agree with each other before the law acts again."""
 OFF = 0.75
-"""Periods by which samples may be off the law's time and count on one by one."""
+"""Deviation [periods] from the law's time up to which samples are still counted one by one."""
 EXACT = 1_000
 """Off the grid of samples by this much [ns] is on it."""
 ROUNDED = 2

@@ -42,9 +42,9 @@ _TABLES: dict[str, Table] = {
     for part, rows in data(__package__, "parameters.toml").items()
 }
 SIGHT = _TABLES["sight"]
-"""Those of ``wmr_filter`` about limits that change and about what is in the way."""
+"""Parameters of ``wmr_filter`` about changing limits and obstacles."""
 FILTER, DRIVE = _TABLES["filter"] | SIGHT | _TABLES["shared"], _TABLES["drive"] | _TABLES["shared"]
-"""Those of ``wmr_filter`` and ``wmr_drive``."""
+"""Parameters of ``wmr_filter`` and of ``wmr_drive``."""
 CHANGING = _TABLES["changing"]
 """Further ones of ``wmr_filter``, which may change while it drives."""
 SPEED_SCALE = "speed_scale"

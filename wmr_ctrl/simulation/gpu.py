@@ -22,7 +22,7 @@ from wmr_ctrl.core.signals import PLANT_STATE, elements
 from .memory import LONG, Results, Task
 
 SUFFIX = ".cu"
-"""Of a CUDA text."""
+"""Suffix of CUDA sources."""
 BLOCK = 128
 """Threads of a block."""
 MOST_LOGGED = 2**30
@@ -32,7 +32,7 @@ LAUNCHES = 2
 PATIENCE = 0.002
 """Seconds between two looks at a launch."""
 OPTIONS = ("--fmad=false", "--device-as-default-execution-space", "-w")
-"""Of the compiler: no multiplication is fused with an addition."""
+"""Options of the compiler: no multiplication is fused with an addition."""
 Defines = tuple[tuple[str, int], ...]
 Arrays = dict[str, NDArray[Any]]
 

@@ -10,7 +10,7 @@ EXTRA = "proofs"
 SOLVERS = ("flint", "z3")
 """Packages of the extra."""
 LEFT_OUT = f"nothing is proved or certified here: {install(EXTRA)}"
-"""What a command says that goes on without them."""
+"""Sentence of commands that go on without these packages."""
 
 
 def is_open() -> bool:

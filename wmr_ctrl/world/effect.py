@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from . import scenario
 
 Scenario: TypeAlias = "scenario.Scenario"
-"""By name only: a scenario's tables are those of its effects, so it imports them."""
+"""Name alone: a scenario's tables are those of its effects, so it imports them."""
 Pair: TypeAlias = tuple[float, float]
 T = TypeVar("T")
 ROUNDING = 1e-9

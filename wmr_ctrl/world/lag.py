@@ -19,7 +19,7 @@ from .model import system
 ACTING = Signal("tau_lagging", "N.m", "torque behind the lag (right, left)", 2)
 NUMBERS = Signal("lag", "1", "uniform numbers on [-1, 1) of a sample", 2)
 ROUNDING = 2.0**-34
-"""More than expm1 and exp less 1 differ by, for a lag of up to 2^17 plant steps."""
+"""Bound of the difference between expm1 and exp - 1, for a lag of up to 2^17 plant steps."""
 MANY = 500.0
 """Time constants in a step after which nothing is left."""
 

@@ -28,7 +28,7 @@ FAR = 30.0
 NEAR = 1e-3
 """Deviation that is allowed beside it [m, rad]."""
 SLOW_NEAR = 0.3
-"""The same where secants are used [m, rad]."""
+"""The same deviation near standstill, where secants are used [m, rad]."""
 TRIES = 40
 """Most tries for a block."""
 COST = 10.0

@@ -14,7 +14,8 @@ from wmr_ctrl.theory.checks.error_coordinates import COMMAND, Floats
 from wmr_ctrl.world.scenario import Scenario
 
 ROOM = 1.5
-"""Of the linear loop's largest change of commands, for which a ramp's plant steps are counted."""
+"""Share of the linear loop's largest change of commands for which a ramp's plant steps are counted.
+"""
 
 
 @dataclass(frozen=True)

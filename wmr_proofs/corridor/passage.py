@@ -23,7 +23,7 @@ RAISED = 1.005
 HELD_TRIES = 20
 """Most such tries."""
 AGAIN_AFTER = 4
-"""Such a set is sought again after the time without changes divided by this."""
+"""Divisor: such a set is sought again after the time without changes divided by this."""
 SLOW_FROM = 4.0
 """Growth of what is reached that brings the robot to a stop where secants are tried at last."""
 GROWTH = 1.25

@@ -29,7 +29,7 @@ MOST_ROW_SAMPLES = 400
 """Samples at most that are summed up with their signs; of more, such sums are added up.  The sums
 over more and more samples cost as much as they are long."""
 BITS = 320
-"""For Phi."""
+"""Bits of precision for Phi."""
 ROUNDS = 30
 """Rounds in which an error is found."""
 MORE = 1.001

@@ -15,7 +15,7 @@ from .secants import LEAST
 ROOM = 1.03
 """Growth of the box on which a bend is computed."""
 MORE_ROOM = 1.06
-"""The same once such a box has been left."""
+"""Growth once such a box has been left."""
 LITTLE = 0.4
 """Share of the typical sizes below which FIRST_ROOM is taken."""
 FIRST_ROOM = 2.0

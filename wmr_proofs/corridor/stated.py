@@ -24,7 +24,7 @@ from .peaks import Peaks, Tube, reference_gap
 ROOM = 1 + 3e-3
 """Growth of the stated box over the computed one."""
 ROOMS = (1.001, 1.02, 1.06)
-"""Such growths that are tried for a whole run."""
+"""Growths that are tried for a whole run."""
 LEAST = 1e-3
 """Share of the largest size in a run that is added."""
 DUST = (1e-7, 1e-9, 1e-9)

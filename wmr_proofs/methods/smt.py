@@ -331,7 +331,7 @@ OUTSIDE: dict[str, Callable[..., Any]] = {
     "log": lambda a: a <= 0,
     "sqrt": lambda a: a < 0,
 }
-"""By operation, where its result is not defined."""
+"""Condition under which an operation's result is not defined."""
 
 
 def violations(

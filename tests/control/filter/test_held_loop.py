@@ -22,7 +22,8 @@ from wmr_ctrl.world.scenario import override
 WORST = changes("robot.m = 55.0; base.kp = 140.0; base.ki = 320.0")
 """The member of the stated family that swings most."""
 ALONE = {"base.kind": "torque"}
-"""What takes a run's own base out of a scenario: the family alone is left."""
+"""Override that removes a run's own base from a scenario, so that the stated family alone remains.
+"""
 
 
 def worst(h, **stated):

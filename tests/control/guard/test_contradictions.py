@@ -132,7 +132,7 @@ def test_an_alpha_that_noise_shakes_is_said_with_its_swing():
 
 
 PUSH = [66.8580831, 12.34567891]
-"""As a number of six digits it is smaller."""
+"""Push that becomes smaller if it is rounded to six digits."""
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,7 @@ BROKEN = {
     "lag": (LAG, {"lag": 1.05}),
     "smallest lag": (VARYING, {"fast": 0.475}),
 }
-"""By 5 %, or by one part of the period where times are whole parts."""
+"""Bounds exceeded by 5 %, or by one part of the period for times that are whole parts."""
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -53,7 +53,7 @@ LONG = {
     ("prove", "only"): {"no list", "no table", "array"},
     ("reproduce", "quick"): {"True"},
 }
-"""What is no mistake and takes long: whole runs, every entry of the ledger."""
+"""Functions that accept the arguments but take long: whole runs, every entry of the ledger."""
 
 
 class Unfit:

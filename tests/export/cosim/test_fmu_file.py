@@ -31,7 +31,7 @@ KINDS = {
     '"parameter" start="0" variability="tunable" unit="g"': "grams",
     '"parameter" start="0" variability="fixed"': "fixed mode",
 }
-"""Attributes of its real variables, and their names."""
+"""Attributes and names of the FMU's real variables."""
 FURTHER = """<Boolean name="enable" valueReference="20" causality="input" start="true"/>
 <Int8 name="steps" valueReference="21" causality="input" start="1"/>
 <Float32 name="share" valueReference="22" causality="input" start="1"/>

@@ -13,7 +13,7 @@ from wmr_ctrl.world.references import sample
 from wmr_ctrl.world.scenario import load_scenario, override
 
 REACHED = ("x", "y", "theta", "v1", "omega", "psi")
-"""What the closed loop shows at the instant that was reached; all else is of the last sample."""
+"""Outputs of the closed loop for the instant reached; all others are of the last sample."""
 SHORT = override(
     load_scenario("paper-simulation"),
     {"clock.duration": 2.0, "changes": [{"t": 1.0, "m": 65.0, "mu": 0.15}]},

@@ -46,7 +46,7 @@ ACTING = {
     "lag": "actuator.lag = 0.004; actuator.lag_spread = 0.3",
     "wheels": "wheels = {radius = [0.002, -0.001], track = 0.002}",
 }
-"""By an effect's name, what makes it act."""
+"""Settings that activate an effect, by its name."""
 COUNTED, AVERAGED = "all, counted", "all, averaged"
 EFFECTS = {
     **ACTING,
@@ -58,7 +58,7 @@ EFFECTS = {
     COUNTED: "; ".join(text for name, text in ACTING.items() if name != "velocity mean"),
     AVERAGED: "; ".join(text for name, text in ACTING.items() if name != "encoder"),
 }
-"""Each alone, other forms that their graphs have, and all but one at once."""
+"""Effects one by one, other forms of their graphs, and all compatible ones at once."""
 LAW = "mb"
 
 

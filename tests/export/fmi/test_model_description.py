@@ -78,7 +78,7 @@ CAPABILITIES = {
         " providesAdjointDerivatives providesDirectionalDerivatives",
     ),
 }
-"""By version: those of every FMU, and those of all but closed loops."""
+"""Capabilities by FMI version: of every FMU, and of all but closed loops."""
 
 
 @every_fmu

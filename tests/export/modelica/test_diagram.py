@@ -20,7 +20,7 @@ PLACED = (
 )
 PARTS = ("reference", "controller", "plant", "disturbance")
 LEADS_IN = {(-1, 0): 0.0, (1, 0): 180.0, (0, 1): -90.0, (0, -1): 90.0}
-"""By the edge that a port stands on, its turn if it leads in [deg]."""
+"""Rotation [deg] of an input port, by the edge of its part."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def lines(body):
 
 
 def crosses(one, other):
-    """Whether two polylines of level and upright pieces share a point."""
+    """True if two polylines of horizontal and vertical segments share a point."""
     boxes = (
         [(np.min(p, axis=0), np.max(p, axis=0)) for p in pairwise(each)] for each in (one, other)
     )

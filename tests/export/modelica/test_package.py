@@ -18,7 +18,7 @@ from wmr_ctrl.world.scenario import load_scenario
 NOMINAL = "paper-simulation-nominal"
 SHOWN = ("x", "y", "theta", "v1", "omega", "tau_right", "tau_left")
 EXACT = 1e-7
-"""What a loop may differ from the native one by: m, rad, m/s, rad/s."""
+"""Largest differences from the native loop: m, rad, m/s, rad/s."""
 CHANGED = """
 changes = [{t = 0.5, m = 65.0, mu = 0.15}, {t = 0.995, m = 55.0, I = 6.0}]
 guard.enabled = false

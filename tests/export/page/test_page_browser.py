@@ -7,7 +7,7 @@ from tests.compilers import where
 
 READY = "window.wmr && window.wmr.page && window.wmr.page.frames > 1"
 EVEN = "(() => { let now = 0; performance.now = () => (now += 10); return now; })()"
-"""From one look at the clock to the next 10 ms pass, however busy the machine is."""
+"""Script with which each call of the clock advances 10 ms, however busy the machine is."""
 PHONE, SCREEN = (390, 844), (1300, 900)
 
 

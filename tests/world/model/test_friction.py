@@ -7,7 +7,7 @@ import pytest
 from wmr_ctrl.world.model.friction import friction, largest_force, largest_slope
 
 SPEEDS = np.concatenate([[0.0], *(s * np.geomspace(1e-9, 1e3, 40_001) for s in (-1, 1))])
-"""From rest to speeds far beyond any robot's [m/s], in steps of 0.06 %."""
+"""Speeds from rest to far beyond any robot's [m/s], in steps of 0.06 %."""
 ROBOTS = [(0.1, 40.0, 9.81, 0.01), (0.9, 2.0, 1.62, 0.3), (0.02, 500.0, 9.81, 1e-3)]
 
 

@@ -104,7 +104,7 @@ FREE = Signal(
 )
 FREE_AGE = Signal("free_age", "s", "age of the free distances; negative: none is told")
 TOLD = (LIMITS, FREE, FREE_AGE)
-"""What filters may be told beside commands and odometry."""
+"""Further inputs of filters, beside commands and odometry."""
 
 
 def told_limits(told: ca.SX, channels: Sequence[Channel]) -> list[list[ca.SX]]:

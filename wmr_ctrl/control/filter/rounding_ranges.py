@@ -13,7 +13,7 @@ OLDEST = 60.0
 SHORTEST = 2.0**-13
 """Least period for each piece of time that it is cut into, over the largest time constant."""
 SHORTEST_SINGLE = 2.0**-8
-"""The same of packages in single precision, which are refused below."""
+"""Least such period in single precision; shorter ones are refused."""
 
 
 def unproved_roundings(scenario: Scenario) -> Iterator[tuple[str, str]]:

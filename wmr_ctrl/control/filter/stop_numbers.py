@@ -117,7 +117,7 @@ def costs(scenario: Scenario) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Leaving:
-    """How a base that the governor stopped is driven away.
+    """Numbers for driving away a base that the governor has stopped.
 
     ``roll`` [m]: largest distance of one release. ``least`` [m/s]: least command that drives away,
     whatever pushes. ``hold`` [s]: for how long the largest command is to be held. ``rest`` [s]:
@@ -141,7 +141,7 @@ def pull_away(scenario: Scenario, way: int = -1) -> float:
 
 
 def leaving(scenario: Scenario, way: int = -1) -> Leaving | None:
-    """How a base can leave an obstacle ahead (``way`` -1) or behind it (1).
+    """Numbers for leaving an obstacle ahead (``way`` -1) or behind the base (1).
 
     None if nothing holds it, if the filter has no rest, or if it can never leave.
     """

@@ -61,7 +61,7 @@ class Reached(Generic[Number]):
 
 @dataclass(frozen=True)
 class Stop(Generic[Number]):
-    """How an axis comes to rest; times in s.
+    """Course of an axis that comes to rest; times in s.
 
     ``tau``: least and largest.  ``push``: d.  ``rest``: None if only the loop brakes.  ``acts``:
     longest time between commands.  ``last``: largest delay.  ``nearing``: speed at which obstacles

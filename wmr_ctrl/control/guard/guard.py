@@ -237,7 +237,7 @@ def rotation_first(force: ca.SX, phi: ca.SX, half_track: ca.SX, safe: ca.SX | No
 
 
 MAPS = {"linear-first": linear_first, "rotation-first": rotation_first}
-"""By the value of guard.map."""
+"""Maps from force to wheel torques, by the value of guard.map."""
 
 
 def _clip(value: ca.SX, bound: ca.SX) -> ca.SX:

@@ -37,7 +37,7 @@ DOUBLINGS = 20
 HALVINGS = 40
 """Bisections after them."""
 SLACK = 1e-9
-"""By how much a number that is proposed is on the safe side at least; more than its rounding."""
+"""Least relative margin of a proposed number, larger than its rounding."""
 
 
 def feasible_guard(

@@ -20,7 +20,7 @@ from decimal import Decimal
 from fractions import Fraction
 
 Weights = tuple[float, float, float]
-"""Before p, the difference that falls and the one that rises [periods]."""
+"""Weights [periods] of p, and of the differences that decay and rise."""
 Integral = Callable[[Fraction, Fraction, Fraction | None], Decimal]
 """Integral of P(s) exp(-(begin - s)/tau) between the ages begin and end; of P(s) if tau is None."""
 

@@ -28,12 +28,12 @@ from .slave import Slave
 
 GUARD_SHOWN = (*mapping.TORQUES, *elements(GUARD_DIAGNOSTICS))
 FILTER_SHOWN = (*SENT.elements, FLAGS.name)
-"""What is read of a guard, and of a command filter."""
+"""Outputs that are read from a guard and from a command filter."""
 GUARDED = (*FORCE.elements, *(s.name for s in VELOCITY), ODOMETRY_AGE.name)
 FILTERED = (*ASKED.elements, *ODOMETRY.elements, ODOMETRY_AGE.name)
 """Sources of a guard, and of a command filter."""
 FILTERING = (*GUARD_DIAGNOSTICS, ASKED, FLAGS)
-"""What a command filter tells as a part of its own, named as in laws that contain one."""
+"""Outputs of a command filter as a part of its own, named as in laws that contain one."""
 _SHOWN = tuple(mapping.SEEN.index(item.name) for item in (*VELOCITY, ODOMETRY_AGE))
 _ASKED = len(FORCE.elements)
 

@@ -35,7 +35,7 @@ TORQUES = {"tau_right": 5.0, "tau_left": 4.5}
 FOLDER = f"{EXTRA}/code"
 INTERFACE = f"{FOLDER}/interface.xml"
 NOTE = f". Plain C of one sample, and how to call it: {INTERFACE}"
-"""Words on it in the model description, after the title."""
+"""Sentence on the C package in the model description, after the title."""
 
 
 def plain_code(model: FmuModel) -> dict[str, str]:

@@ -27,7 +27,8 @@ HEAVY = {
 }
 """Units that take long to compile, with all that they read: models share them across scenarios."""
 LIGHT = "light.c"
-"""All other units as one, which takes a third of the time; the FMU itself carries each."""
+"""File that joins all other units, which takes a third of the time; the FMU itself has them
+separately."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ _PATTERNS = {op: text.replace("wmr_", "") for op, text in SCALAR.patterns.items(
     ca.OP_POW: "{0} ^ {1}", ca.OP_CONSTPOW: "{0} ^ {1}", ca.OP_NE: "{0} <> {1}",
     ca.OP_AND: "{0} and {1}", ca.OP_OR: "{0} or {1}", ca.OP_NOT: "not {0}",
 }  # fmt: skip
-"""As in C, but for powers and for signs of Modelica's own."""
+"""Operations as in C, except for powers and for Modelica's own signs."""
 _TWICE_READ = frozenset({ca.OP_SQ})
 """Operations whose pattern names an operand twice."""
 

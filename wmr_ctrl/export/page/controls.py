@@ -30,7 +30,7 @@ class Group:
 
 _DATA = data(__package__, "controls.toml")
 GROUPS = [Group(**group) for group in _DATA["group"]]
-"""In the order in which they are listed; a parameter belongs to the first that names it."""
+"""Groups in the order of the page; a parameter belongs to the first group that names it."""
 HIDDEN = tuple(_DATA["hidden"])
 """Parameters that a variant decides, or that nobody wants to move; `run` sets them all."""
 DELAY = "base.delay"

@@ -181,7 +181,8 @@ def _own_title(scenario: Scenario) -> str:
 MOST_SHOWN = 4
 """Robots that one scenario's page shows first."""
 MOST_WAYS = 6
-"""The same of a base that takes velocities: all filters beside clipped and smoothed commands."""
+"""The same number for a base that takes velocities: all filters beside clipped and smoothed
+commands."""
 PERIODS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 """Control periods [s] that are offered where no part of the loop counts its steps."""
 LATE = (0, 2, 5)

@@ -25,9 +25,9 @@ LEAST_FAR = 0.12
 STEPS_FAR = 2.5
 """Least distance of an odd reading, in steps of its resolution."""
 ZERO_DEVIATIONS = 5.0
-"""As FAR, for a reading of exactly 0."""
+"""Least deviation of an odd reading of exactly 0; see FAR."""
 ZERO_FAR = 0.05
-"""As LEAST_FAR, for a reading of exactly 0."""
+"""Least distance of an odd reading of exactly 0; see LEAST_FAR."""
 BACK = 0.6
 """Share of the distance by which the reading itself must go out and come back."""
 NEIGHBOURS = 7

@@ -56,11 +56,11 @@ CHECKS: tuple[Callable[[Loop], Iterator[Warning]], ...] = (
     coarse_step,
     violent_alpha,
 )
-"""In the order in which they are printed: what ends a run first comes first."""
+"""Checks in the order in which they are printed: first what ends a run first."""
 OF_VELOCITY_BASES = (
     units, start, sample_time, preconditions, beyond_base, coarse_step, velocity_base,
 )  # fmt: skip
-"""Those that hold for a base that takes velocities."""
+"""Checks that apply to a base that takes velocities."""
 
 
 @lru_cache(maxsize=256)

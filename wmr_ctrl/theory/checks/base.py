@@ -1,4 +1,4 @@
-"""How a base that takes velocities changes its commands, and where a path demands more."""
+"""Effects of a base that takes velocities on its commands, and paths that demand more."""
 
 from collections.abc import Iterator
 from typing import TypeAlias
@@ -115,7 +115,7 @@ def _ramping(asked: Floats, most: Floats | float) -> Bools:
 
 
 def causes(scenario: Scenario, run: Run) -> dict[str, str]:
-    """What the base did to the commands at a run's end, as sentences by the remark's key."""
+    """Effects of the base on the commands at a run's end, as sentences by the remark's key."""
     if not scenario.takes_velocity or "v_command" not in run:
         return {}
     count = min(run.rows, round(LAST / scenario.clock.control))

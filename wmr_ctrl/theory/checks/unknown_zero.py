@@ -46,7 +46,7 @@ REMEDIES = {
 }
 """How to state each bound."""
 COMMAND_ERROR = "filter.d = [m/s, rad/s] (half of the step in which the base rounds commands)"
-"""The same of the d of PI loops, which is no push."""
+"""Remedy for the d of PI loops, which is no push."""
 COARSE, FINE = 1e-4, 1e-6
 """Errors [m, rad] below which no digit is printed: of a run that nothing disturbs, and of others.
 

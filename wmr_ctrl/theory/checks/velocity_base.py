@@ -113,7 +113,7 @@ def filter_facts(setup: Setup) -> FilterFacts | None:
 ON_THE_SPOT = {
     "base.min_radius": 0.0, "filter.free_error": None, "filter.nearing": 0.0, "filter.decel": None,
 }  # fmt: skip
-"""A base of which each axis moves by itself, and with nothing in its way."""
+"""Overrides for a base whose axes move independently and which has no obstacles."""
 
 
 def usable_speed(scenario: Scenario) -> Pair:

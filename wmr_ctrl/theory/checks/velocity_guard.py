@@ -32,7 +32,8 @@ MOTIONLESS = ("no motion at all", "no turn at all")
 NEARLY = 0.9
 """Share of 1/T, the fastest rate of approach, below which a faster one buys more than another T."""
 SHAKEN = 0.25
-"""Share of the wheels' torque limit that is a violent swing; without limit friction's torque is."""
+"""Share of the wheels' torque limit, or without one of friction's torque, that counts as a violent
+swing."""
 
 
 def contradicted(loop: Loop) -> Iterator[Warning]:

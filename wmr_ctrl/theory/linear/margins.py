@@ -39,7 +39,7 @@ HIGHEST = 1e5
 FACTORS = (0.5, 1.5)
 PARAMETERS = ("m", "I", "mu")
 OWN = {"first-order": "tau", "second-order": "frequency"}
-"""What may be off of a loop that makes up for mass and friction."""
+"""Parameter that may be wrong for a loop that compensates mass and friction."""
 
 
 @dataclass(frozen=True)

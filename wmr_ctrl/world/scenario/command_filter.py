@@ -23,7 +23,7 @@ def quoted(kinds: Iterable[str]) -> str:
 
 
 BY_AXIS = ("tau", "gain", "delay", "damping", "frequency")
-"""Bounds that v and omega may have each for itself."""
+"""Bounds that may be stated separately for v and omega."""
 FIRST_ORDER = ("first-order", "first-order")
 Intervals: TypeAlias = Pair | tuple[Pair, Pair]
 """An interval of both axes, or one of v and one of omega."""

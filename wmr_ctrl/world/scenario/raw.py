@@ -28,7 +28,7 @@ from .sections import Change
 
 Raw = dict[str, object]
 STAND_IN = Line()
-"""In the place of a reference that is refused, to see what else is wrong."""
+"""Replacement for a refused reference, so that further errors can be found."""
 Step = str | int
 
 

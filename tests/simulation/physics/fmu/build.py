@@ -19,7 +19,7 @@ OUTPUTS = (
     "axle_x", "axle_y", "yaw", "forward", "turning", "rolled", "turned", "wheel_right",
     "wheel_left", "slip_right", "slip_left", "tilt",
 )  # fmt: skip
-"""In the order of rigid.c."""
+"""Outputs, in the order of rigid.c."""
 MAP = """
 [plant]
 step = {step!r}
