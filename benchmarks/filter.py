@@ -1,6 +1,6 @@
 """A step of the command filter against a clip written by hand: ``python -m benchmarks.filter``.
 
-One base after the other in time: each step begins from the memory that the last one left.
+Steps are timed in sequence: each begins with the memory that the previous one left.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ def _pairs(names: str) -> list[Field]:
 
 
 class HandSetup(ctypes.Structure):
-    """``hand_setup``: what a person types in."""
+    """``hand_setup``: parameters that a person would write by hand."""
 
     _fields_ = [
         *_doubles("m inertia mu r l g v_s"),

@@ -16,7 +16,7 @@ from wmr_ctrl.export.page.module import LINKING
 
 FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 ZIG = (sys.executable, "-P", "-m", "ziglang", "cc", "-s")
-"""Without symbols, as FMUs are linked."""
+"""Command of the zig compiler, which links without symbols, as for FMUs."""
 WASM = (*ZIG, "-target", "wasm32-wasi", "-O2")
 SIMD128 = ("-Xclang", "-target-feature", "-Xclang", "+simd128")
 """Vectors of WebAssembly for what is compiled: for -msimd128 zig builds its C library anew."""
@@ -26,7 +26,8 @@ NODE = ("node", "nodejs")
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
 """Folder of that processor's C library, as Debian's libc6-arm64-cross installs it."""
 ARM = "aarch64-linux-gnu.2.17" if ARM_LIBRARIES.is_dir() else "aarch64-linux-musl"
-"""Without that library zig compiles one of its own into the program, for most of a minute."""
+"""Target for zig; without that library zig compiles its own into the program, for most of a minute.
+"""
 BESIDE_QEMU = {"QEMU_LD_PREFIX": str(ARM_LIBRARIES)}
 
 

@@ -15,7 +15,7 @@ from wmr_ctrl.world.scenario import load_scenario
 WIDE = GateSettings(
     odometry="required", command_timeout=0.1, rise=(1e6, 1e6), fall=(1e6, 1e6), excess=(1.0, 1.0)
 )
-"""No ramp acts: a run has none."""
+"""Ramps so wide that none acts, as in a run."""
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ ANY_BASIS = Basis(
     k=(1.0, 1.0, 1.0), rho=(1.0, 1.0), wo=1.0, speed=1.0, mass=(1.0, 1.0), weight=1.0,
     limits=(1.0, 1.0), accel=(1.0, 1.0),
 )  # fmt: skip
-"""Some basis: which gains a rule has is the same for all."""
+"""Any basis, for lists of a rule's gains, which are the same for all."""
 
 
 def basis_of(scenario: Scenario) -> Basis:

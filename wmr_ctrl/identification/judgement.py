@@ -30,7 +30,7 @@ MOST_TOLD = 0.12
 BY_OTHER = 2.0
 """Factor by which the other axis must add to what commands tell to be named."""
 APART = 2.0
-"""Half-widths by which a group's gain differs from the others."""
+"""Difference of a group's gain from the others, in half-widths, that counts as different."""
 LEAST_APART = 0.03
 """Share of the gain by which a group's gain differs from the others."""
 FEWEST = 40

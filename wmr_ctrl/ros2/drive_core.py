@@ -27,9 +27,9 @@ CALM = 3
 OFF = 0.75
 """Deviation [periods] from the law's time up to which samples are still counted one by one."""
 EXACT = 1_000
-"""Off the grid of samples by this much [ns] is on it."""
+"""Distance [ns] from the grid of samples within which a stamp is on it."""
 ROUNDED = 2
-"""Off the period by this much [ns] is on it: stamps are whole nanoseconds."""
+"""Difference [ns] from the period that counts as none: stamps are whole nanoseconds."""
 LATEST = 1.5
 """Periods after which a torque has acted for too long."""
 NO_ODOMETRY, JUMPED, STOPPED, NOT_FINITE = "no-odometry", "pose-jump", "stopped", "law-not-finite"

@@ -16,7 +16,7 @@ MOST = 100_000
 LAUGHS = "a0: &a0 [0]\n" + "".join(
     f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 30)
 )
-"""Some 9^29 values."""
+"""Aliases that expand to some 9^29 values."""
 
 
 def zipped(name):

@@ -20,12 +20,13 @@ FLAGS = (
     "-O2", "-Xclang", "-O1", "-g0", "-fno-inline", "-fno-stack-protector", "-U__SIZEOF_INT128__",
     "-target", "wasm32-wasi",
 )  # fmt: skip
-"""Without numbers of 128 bits, whose product -O2 finds, and zig compiles a library of its own for;
-zig by itself makes -O2 of -O1."""
+"""Compiler flags that avoid 128-bit numbers, whose product -O2 introduces and for which zig
+compiles its own library; zig by itself makes -O2 of -O1."""
 LINKING = (
     "-target", "wasm32-freestanding", "-nostdlib", "-s", "-Wl,--no-entry", "-Wl,--strip-all",
 )  # fmt: skip
-"""Without a C library, which zig would compile for half a minute: loops need its headers only."""
+"""Linker flags without a C library, which zig would compile for half a minute; loops need its
+headers only."""
 _HOST_ONLY = ("-shared", "-fPIC", "-fvisibility=hidden", "-mcpu=baseline", "-O3")
 WORKERS = 2
 """Compilers side by side: each takes some 300 MB."""

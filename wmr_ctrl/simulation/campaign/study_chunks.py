@@ -29,7 +29,7 @@ QUIET = {
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.admin.tick.interval": "5s",
 }
-"""Half of Dask's own work in a process that only computes."""
+"""Settings that disable half of Dask's own work in a process that only computes."""
 RETRIES = 3
 """Times that a chunk is sent again after its worker was lost."""
 Facts = Mapping[str, str]

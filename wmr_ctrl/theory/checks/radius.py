@@ -32,7 +32,7 @@ MARGIN = 1e-9
 RTOL = 1e-7
 """Relative tolerance of an edge of stability; four digits of it are printed."""
 STRETCHES = 16
-"""Into so many stretches of constant velocity the period of a reference is divided."""
+"""Number of stretches of constant velocity into which a reference's period is divided."""
 GRAPH = 12.0
 """Work of making a loop's graph for another period, in evaluations."""
 
