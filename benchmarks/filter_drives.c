@@ -43,7 +43,7 @@ typedef struct {
     double mean;    /* mean |v| */
     double passed;  /* requests that passed after they were refused */
     double early;   /* releases that came too early */
-    double drawn;   /* which adversary it was */
+    double drawn;   /* number of the adversary */
 } result;
 
 static uint64_t mixed(uint64_t *s)
@@ -69,7 +69,7 @@ static double smaller(double a, double b) { return a < b ? a : b; }
 /* Way for each m/s of a speed that fades for a time. */
 static double covered(double time, double tau) { return isfinite(time) ? -tau * expm1(-time / tau) : tau; }
 
-/* Time from the step that is told a limit V until the base is inside, if it was within v_0 before. */
+/* Time from the step that receives a limit V until the base is within it, if its speed was at most v_0. */
 static double inside_by(const numbers *p, const axis_numbers *a, double v_0, double V)
 {
     double shortest = (1 - p->jitter) * p->period, longest = (1 + p->jitter) * p->period;
@@ -86,7 +86,7 @@ static double roll_of(const numbers *p, const axis_numbers *a)
     return a->push > 0 ? a->push * (p->rest - (a->decel > 0 ? 0 : covered(p->rest, a->tau[0]))) : 0;
 }
 
-/* Least speed away to which a command comes in the long run; V: limit of that side. */
+/* Least steady speed away that a command causes; V: limit of that side. */
 static double pull_of(const axis_numbers *a, double u, double V)
 {
     return a->gain[0] * smaller(fabs(u), (V - a->push) / a->gain[1]) - a->push;
@@ -123,14 +123,14 @@ typedef struct { int sent, spent, refused, waited; double weakest; } request;
 typedef struct { double t, v[2], free[2][2], sent[2], take[2]; } sample;
 
 typedef struct {
-    const numbers *p, *real; /* what the filter is told, and what is true */
+    const numbers *p, *real; /* bounds given to the filter, and true values */
     const choices *c;
     result *out;
     uint64_t seed;
     int axis, side, base, driver, limits, noise, delays, losing, jitter, other; /* how the adversary chooses */
     double t, x[2], v[2], walls[2][2]; /* walls: places ahead and behind of which the base touches */
     double tau[2], gain[2], push[2], nearing[2], zero_since, brakes_after;
-    double ramped[2], ends[2], rates[2][2]; /* of a base that slows down: its ramp, its end, how fast it falls and rises */
+    double ramped[2], ends[2], rates[2][2]; /* ramp of a base that slows down: value, target, rates of fall and rise */
     int touched[2][2], braked;
     int blind; /* a distance is missing in this step: a request may wait until all come */
     double asked, across, away, leaves_late, stands_after, left_at; /* asked: away from the wall is below 0 */
@@ -149,7 +149,7 @@ typedef struct {
     sample samples[MOST];
 } drive;
 
-/* Speed and place of one axis after a time in which nothing changes, and its ramp rises by ``rate`` (0: it stands). */
+/* Speed and position of one axis after a time without changes, in which its ramp rises by ``rate`` (0: is constant). */
 static void later(const drive *s, int i, double h, double rate, double *v, double *x)
 {
     double tau = s->tau[i], m = s->ramped[i], end = rate == 0 ? m : s->ends[i];
@@ -161,7 +161,7 @@ static void later(const drive *s, int i, double h, double rate, double *v, doubl
         *v = s->v[i] + (m_0 - s->v[i]) * fades + rate * h;
         *x = s->x[i] + m_0 * h + away * tau * fades + rate * h * h / 2;
     }
-    double before = tau > 0 ? s->v[i] : m; /* roundings lead no farther than the base goes */
+    double before = tau > 0 ? s->v[i] : m; /* rounding must not exceed the base's real motion */
     *v = larger(smaller(*v, larger(larger(before, m), end)), smaller(smaller(before, m), end));
 }
 
@@ -452,7 +452,7 @@ static double ruled(const drive *s, double distance)
     return smaller(asked, sqrt(2 * rate * larger(0, distance - s->c->kept)));
 }
 
-/* What the driver owes after a step: releases that the hold opened do not come too early. */
+/* Obligation of the driver after a step: no early release of a command that passed by holding. */
 static void count_requests(drive *s, const wmr_filter_inputs *u, const double sent[2], int near_by, int stands)
 {
     const numbers *p = s->p;
@@ -582,7 +582,7 @@ static void moves(drive *s, int k, double dt)
         while (piece < pieces && begin + dt * piece / pieces <= s->t + SAME) ++piece;
         if (piece < pieces) stop = begin + dt * piece / pieces;
         for (int i = 0; i < 2; ++i) {
-            for (int m = s->acting[i] + 1; m <= k; ++m) { /* those before were lost, or replaced */
+            for (int m = s->acting[i] + 1; m <= k; ++m) { /* earlier commands were lost or replaced */
                 double take = s->samples[m].take[i];
                 if (take <= s->t + SAME) { s->acting[i] = m; s->last_heard[i] = take; }
                 else stop = smaller(stop, take);

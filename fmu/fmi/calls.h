@@ -1,4 +1,4 @@
-/* In which states of an instance a function of the standard may be called, as data. */
+/* States of an instance in which each function of the standard may be called, as data. */
 #ifndef WMR_CALLS_H
 #define WMR_CALLS_H
 
@@ -29,7 +29,7 @@ static inline wmr_instance *wmr_legal(void *handle, const wmr_call *call)
     return s;
 }
 
-/* Our status as that of the standard whose header came first; the values are the same. */
+/* Our status as the status of the included standard; the values are the same. */
 #ifdef fmi2Functions_h
 static inline fmi2Status status_of(wmr_status status) { return (fmi2Status)status; }
 #else

@@ -35,7 +35,7 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t cou
     return s ? status_of(wmr_set_logging(s, on, count, categories)) : fmi3Error;
 }
 
-/* An instance, or NULL with the reason told where name or token are wrong. */
+/* An instance; NULL if name or token are wrong, with a message. */
 static wmr_instance *made(fmi3String name, fmi3String token, wmr_interface interface,
                           fmi3Boolean logging, fmi3InstanceEnvironment environment,
                           fmi3LogMessageCallback logger)

@@ -130,7 +130,7 @@ static int finite_from(const wmr_instance *s, size_t first)
     return 1;
 }
 
-/* Two parameters that are not in order; NULL where all are. */
+/* Two parameters that are not in order; NULL if all are. */
 static const wmr_order *contradiction(const wmr_instance *s)
 {
     for (int i = 0; i < WMR_ORDERS; ++i) {
@@ -176,7 +176,7 @@ void wmr_refresh(wmr_instance *s)
     }
 }
 
-/* Whether a step from t over h may be tried. */
+/* True if a step from t over h may be tried. */
 static wmr_status check_step(wmr_instance *s, double t, double h)
 {
     const double now = s->state.values[0], stop = s->state.stop_time;
@@ -206,11 +206,11 @@ static wmr_status check_step(wmr_instance *s, double t, double h)
     return WMR_OK;
 }
 
-/* States and what was computed from them stand side by side. */
+/* States and the values computed from them are adjacent. */
 enum { RESULTS = WMR_ROWS - WMR_X };
 
-/* An importer may try again after Discard.  A closed loop has no input, and its samples come at
-   their own instants: each try would end alike. */
+/* An importer may try again after Discard.  A closed loop has no input, and its samples are at
+   fixed instants: each try would fail in the same way. */
 #define NOT_FINITE (WMR_KIND == WMR_LOOP ? WMR_ERROR : WMR_DISCARD)
 
 static wmr_status step_back(wmr_instance *s, const double *results)

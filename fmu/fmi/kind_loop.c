@@ -68,7 +68,7 @@ void kind_restore(struct wmr_instance *s)
     to->settings.queue = s->state.memory.queue;
 }
 
-/* Whether a is a whole multiple of b, and not too large a one. */
+/* True if a is a whole multiple of b that is not too large. */
 static int fits(double a, double b, double most)
 {
     const double ratio = a / b, near = rint(ratio);

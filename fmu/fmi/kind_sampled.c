@@ -1,7 +1,7 @@
 /* Sampled models: evaluated at the start of each of their periods with the inputs of that moment,
    held until the next.  Before the first step, outputs are those of sample 0 with the inputs so
    far, and no memory moves.  With clock.parallel = 1 sample 0 keeps the inputs of initialisation.
-   A model without inputs gives its values at the time that was reached. */
+   A model without inputs has its values at the time that was reached. */
 #include <math.h>
 #include <string.h>
 
@@ -73,7 +73,7 @@ double kind_advance(struct wmr_instance *s, double t, double h)
     return end;
 }
 
-/* The time that was reached; on the grid of samples where only rounding keeps it off. */
+/* The time that was reached; rounded to the grid of samples if only rounding separates them. */
 static double reached(const struct wmr_instance *s)
 {
     const double t = s->state.values[0], period = s->state.values[WMR_AT_PERIOD];

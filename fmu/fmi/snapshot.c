@@ -113,7 +113,7 @@ wmr_status wmr_snapshot_write(wmr_instance *s, const void *kept, void *bytes, si
     return WMR_OK;
 }
 
-/* Bytes that were not written by this very model, or not as they are now, are refused. */
+/* Bytes of another model, and altered bytes, are refused. */
 static wmr_status check_bytes(wmr_instance *s, const snapshot *read)
 {
     const header wanted = header_of(&read->state);

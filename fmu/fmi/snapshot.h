@@ -1,4 +1,4 @@
-/* States of an instance, kept aside or as bytes. */
+/* States of an instance, as copies or as bytes. */
 #ifndef WMR_SNAPSHOT_H
 #define WMR_SNAPSHOT_H
 

@@ -6,7 +6,7 @@
 #define BEFORE (WMR_IN_START | WMR_IN_INIT)
 #define BETWEEN (WMR_IN_STEP | WMR_IN_EVENT)
 
-/* In which states a variable of each role may be set. */
+/* States in which a variable of each role may be set. */
 static const int SETTABLE[] = {
     0,                                    /* WMR_INDEPENDENT */
     BEFORE | BETWEEN | WMR_IN_CONTINUOUS, /* WMR_INPUT */

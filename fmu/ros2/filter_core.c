@@ -5,7 +5,8 @@
 
 #include "gate.h"
 
-/* Off the period by this much [ns] is on it: stamps are whole nanoseconds.  It moves |v| by less than the filter's reserve. */
+/* Difference from the period [ns] that counts as none: stamps are whole nanoseconds.  It changes |v| by less than the
+   filter's reserve. */
 #define ROUNDED 2
 
 int64_t wmr_filter_core_size(void)
@@ -150,8 +151,8 @@ int64_t wmr_filter_core_never(const wmr_filter_core *core)
 }
 #endif
 
-/* On simulated time a simulator says how much has passed between two commands; else nobody is trusted with that but the
-   steady clock. */
+/* On simulated time the simulator says how much time has passed between two commands; otherwise only the steady clock
+   does. */
 int64_t wmr_filter_core_due(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now)
 {
     const int64_t stamped = now->simulated && core->stamp && stamp;
@@ -167,8 +168,8 @@ int64_t wmr_filter_core_overdue(const wmr_filter_core *core, const wmr_moment *n
     return !core->before || now->steady - core->before >= WMR_PERIOD + late;
 }
 
-/* Time since the last tick [s], for a command that is answered or a timer; 0: the period; negative: time stood still.  By the
-   steady clock, but between stamps on simulated time: a clock that jumps forward would break a band's limit. */
+/* Time since the last tick [s], for an answered command or a timer; 0: the period; negative: time stood still.  It is
+   by the steady clock, or between stamps on simulated time: a clock that jumps forward would break a band's limit. */
 static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now)
 {
     const int64_t stamped = now->simulated && core->answered && core->stamp && stamp;
@@ -178,8 +179,8 @@ static double elapsed(const wmr_filter_core *core, int64_t stamp, const wmr_mome
     return !core->before || (-ROUNDED <= off && off <= ROUNDED) ? 0.0 : time ? (double)time * 1e-9 : -1.0;
 }
 
-/* Age of a message's data [s], negative: there is none.  A base that is simulated moves in simulated time, in which a
-   command's stamp says when it is answered; the time-out stays on the steady clock. */
+/* Age of a message's data [s]; negative: there is none.  A simulated base moves in simulated time, in which a command's
+   stamp says when it is answered; the time-out is always by the steady clock. */
 static double age_of(const wmr_intake *intake, int64_t answered, int64_t stamp, const wmr_moment *now)
 {
     const int64_t since = (answered && stamp ? stamp : now->ros) - intake->stamp;
@@ -192,14 +193,14 @@ static double age_of(const wmr_intake *intake, int64_t answered, int64_t stamp, 
 }
 
 #ifdef WMR_AT_LIMITS
-/* The smaller one, or what is no number. */
+/* The smaller number, or NaN if one is NaN. */
 static double smaller(double one, double other)
 {
     return isnan(one) || one < other ? one : other;
 }
 
-/* Whether limits must come again and again, and did not: the largest ones, and those that ever came but a speed limit, which
-   comes when it changes. */
+/* True if limits that must come regularly are missing: ~/v_max, and each topic that ever came, except a speed limit,
+   which comes when it changes. */
 static int is_silent(const wmr_filter_core *core, const wmr_moment *now)
 {
     int silent = 0;
@@ -255,8 +256,8 @@ static double free_age(const wmr_filter_core *core, int64_t answered, int64_t st
     return oldest;
 }
 
-/* Free distances with a window of headings that is wider where a command turns to, or the smallest one; any heading is
-   free where nothing is nearer than a stop takes. */
+/* Free distances with a window of headings that is wider on the side to which a command turns, or with the smallest
+   one; all headings are free if nothing is within the stopping distance. */
 static void look(const wmr_filter_core *core, int smallest, double omega, double *free)
 {
 #if WMR_SCANS
@@ -302,7 +303,7 @@ void wmr_filter_core_tick(wmr_filter_core *core, int64_t answered, int64_t stamp
 #endif
     wmr_gate(u, core->gate, parameters, next, y);
 #ifdef WMR_AT_FREE
-    if ((int64_t)y[2] & WMR_NEAR) { /* what is not in the way of straight on counts no more */
+    if ((int64_t)y[2] & WMR_NEAR) { /* drop points that are not in the way straight ahead */
         u[1] = 0.0;
         look(core, 1, 0.0, u + WMR_AT_FREE);
         wmr_gate(u, core->gate, parameters, next, y);

@@ -11,11 +11,11 @@
    with 1 if it is a percentage. */
 enum { WMR_V_MAX, WMR_V_MIN, WMR_ENABLE, WMR_SPEED, WMR_LIMIT_TOPICS };
 
-/* ``stop`` is what the topic ~/stop says, ``scale`` the share of each command that is passed on, ``sent`` and ``flags``
-   what was sent last, ``before`` when [steady], ``answered`` whether that was a command's answer, ``stamp`` that of the
-   command that was answered last.  ``limits`` are the newest messages on limits, by topic, and ``limited`` when they came
-   [steady].  ``frees`` are the messages that tell free distances: scans, or ``told`` alone; ``free`` is what the gate was
-   told last: ahead, behind, left, right. */
+/* ``stop``: value of the topic ~/stop.  ``scale``: share of each command that is passed on.  ``sent``, ``flags``: last
+   command sent and its flags; ``before``: its time [steady]; ``answered``: 1 if it answered a command.  ``stamp``: stamp
+   of the last command that was answered.  ``limits``: newest messages on limits, by topic; ``limited``: times of their
+   arrival [steady].  ``frees``: messages with free distances: scans, or ``told`` alone.  ``free``: last distances given
+   to the gate: ahead, behind, left, right. */
 typedef struct {
     wmr_intake commands, odometry, frees[WMR_LASERS];
     wmr_clocks clocks;
@@ -36,11 +36,11 @@ void wmr_filter_core_make(wmr_filter_core *core);
 /* Reset: no command, no odometry, nothing latched; counters, ~/stop and scale stay. */
 void wmr_filter_core_start(wmr_filter_core *core);
 
-/* Looks at the time; what happened to it.  After a jump back what came before counts no more.  After a freeze the gate
-   sees how old everything is, and messages without a stamp that waited are refused. */
+/* Checks the clocks and returns their events.  After a jump back earlier messages are forgotten.  After a freeze the
+   gate sees the age of everything, and messages without a stamp that have waited are refused. */
 int64_t wmr_filter_core_see(wmr_filter_core *core, const wmr_moment *now);
 
-/* Takes a command; the reason where it is refused. */
+/* Takes a command; returns the reason if it is refused. */
 int64_t wmr_filter_core_command(
     wmr_filter_core *core, const double *velocity, int64_t framed, int64_t stamp, const wmr_moment *now);
 
@@ -65,8 +65,8 @@ int64_t wmr_filter_core_never(const wmr_filter_core *core);
    period after a command that was answered, at once after the timer, so that answers find back to their commands. */
 int64_t wmr_filter_core_due(const wmr_filter_core *core, int64_t stamp, const wmr_moment *now);
 
-/* Whether the timer must answer, where commands are answered when they come: the next one may be late by a quarter of a
-   period, on simulated time, which may be slow, by the time-out. */
+/* True if the timer must answer although commands are answered as they come: the next command may be late by a quarter
+   of a period, or on simulated time, which may be slow, by the time-out. */
 int64_t wmr_filter_core_overdue(const wmr_filter_core *core, const wmr_moment *now);
 
 /* The command for the base, into ``sent`` and ``flags``; ``stamp`` is that of a command that is ``answered``, 0 where it

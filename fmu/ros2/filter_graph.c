@@ -1,4 +1,4 @@
-/* Others on the node's topics: those who void its promise, and those with whom nothing is exchanged. */
+/* Other endpoints on the node's topics: those that void its promise, and incompatible ones. */
 #include "filter_node.h"
 
 #include <stdio.h>
@@ -35,7 +35,7 @@ static void done_with(endpoints *found)
     (void)!rmw_topic_endpoint_info_array_fini(found, &allocator);
 }
 
-/* Name of a node; who was found just now has none yet, and rmw says so in capitals. */
+/* Name of a node; one that was just discovered has none yet, which rmw reports in capitals. */
 static const char *full_name(const endpoint *one, char *text)
 {
     if (strstr(one->node_name, "_UNKNOWN_")) {
@@ -74,7 +74,7 @@ static int rivals(filter_node *n, char *text)
     return used > 0;
 }
 
-/* The middle of a sentence on one who does not get what the other sends; else nothing. */
+/* Middle of a sentence on an endpoint that does not get what the other sends; else nothing. */
 static int unlike(const endpoint *one, const char *type, const rmw_qos_profile_t *sent, const rmw_qos_profile_t *wanted,
     char *text)
 {

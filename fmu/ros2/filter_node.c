@@ -20,7 +20,7 @@
 #define SECOND INT64_C(1000000000)
 /* Time between two looks for those who make the node useless, before it starts. */
 #define AGAIN (SECOND / 20)
-/* Time in which whoever hears the node has to take its last zero; no longer is waited. */
+/* Longest wait for readers to take the node's last zero. */
 #define LAST_ZERO SECOND
 
 #if WMR_STAMPED
@@ -56,7 +56,7 @@ static void stamp_it(builtin_interfaces__msg__Time *stamp, int64_t ns)
     stamp->nanosec = (uint32_t)(ns % SECOND);
 }
 
-/* Words of the bits that are in a table. */
+/* Words for the bits that a table contains. */
 static const char *named(const wmr_word *table, int count, int64_t bits, char *text)
 {
     size_t used = 0;
@@ -122,7 +122,7 @@ static diagnostic_msgs__msg__KeyValue *put_sight(
     return pair;
 }
 
-/* A text of ROOM, and what to do where something is too near. */
+/* Text of ROOM, and what to do if something is too near. */
 static const char *with_remedy(int64_t flags, char *text)
 {
     const size_t used = strlen(text);
@@ -192,7 +192,7 @@ static void publish(filter_node *n, double v, double omega)
     }
 }
 
-/* Sends what the core decides, and tells what is grave about it when that changes. */
+/* Sends the core's command, and logs serious flags when they change. */
 static void answer(filter_node *n, int64_t answered, int64_t stamp, const wmr_moment *now)
 {
     int64_t grave;
@@ -209,14 +209,14 @@ static void answer(filter_node *n, int64_t answered, int64_t stamp, const wmr_mo
     }
 }
 
-/* A message of a topic, for what is said of its refusal. */
+/* Message of a topic, for the report of its refusal. */
 typedef struct {
     const char *what, *frame;
     int64_t stamp, timeout;
     const char *patience; /* parameter of the time-out */
 } received;
 
-/* What came and what is wanted, behind the reason. */
+/* Received and expected value, after the reason. */
 static const char *explained(const received *message, int64_t reason, const wmr_moment *now, char *text)
 {
     const double late = (double)(now->ros - message->stamp) * 1e-9;
@@ -245,7 +245,7 @@ static void tell_refusal(filter_node *n, const received *message, int64_t reason
     }
 }
 
-/* Whether a twist asks for what two driven wheels cannot do. */
+/* True if a twist has parts that two driven wheels cannot follow. */
 static int has_other_parts(const geometry_msgs__msg__Twist *twist)
 {
     return twist->linear.y != 0.0 || twist->linear.z != 0.0 || twist->angular.x != 0.0 || twist->angular.y != 0.0;
@@ -370,7 +370,7 @@ static void on_reset(filter_node *n)
     std_srvs__srv__Trigger_Response__fini(&response);
 }
 
-/* Looks who else is there, and tells of those who make the node useless. */
+/* Checks the graph, and logs other nodes that make this one useless. */
 static void look_around(filter_node *n)
 {
     if (wmr_useless(n, n->useless)) {
@@ -393,7 +393,7 @@ static void refuse_to_start(filter_node *n)
     }
 }
 
-/* Where a message of a topic is put. */
+/* Memory for a message of a topic. */
 static void *message_of(filter_node *n, int place)
 {
     switch (place) {
@@ -461,7 +461,7 @@ static void act_on(filter_node *n, int place)
     }
 }
 
-/* Waits until something comes or a time [steady], and acts on it. */
+/* Waits for a message or until a time [steady], and acts on it. */
 static void wait_until(filter_node *n, int64_t time)
 {
     const int64_t left = time - clock_of(CLOCK_MONOTONIC);
@@ -499,7 +499,7 @@ static void spin(filter_node *n)
             if (!WMR_AT_ONCE || wmr_filter_core_overdue(&n->core, &now)) {
                 answer(n, 0, 0, &now);
             }
-            tick += (now.steady - tick) / step * step + step; /* those that were missed are not made up for */
+            tick += (now.steady - tick) / step * step + step; /* missed ticks are not repeated */
             if (now.steady >= second) {
                 second = now.steady + SECOND;
                 look_around(n);

@@ -36,7 +36,7 @@ typedef geometry_msgs__msg__TwistStamped command;
 typedef geometry_msgs__msg__Twist command;
 #endif
 
-/* What is heard, by place; FREE and those after it are lasers, if there are any. */
+/* Topics that are read, by index; FREE and later ones are lasers, if there are any. */
 enum {
     COMMANDS,
     ODOMETRY,
@@ -64,7 +64,7 @@ typedef struct {
     rcl_subscription_t heard[TOPICS];
     rcl_service_t reset;
     rcl_wait_set_t waits;
-    int topics; /* without /clock where time is not simulated */
+    int topics; /* without /clock if time is not simulated */
     wmr_filter_core core;
     command in, sent;
     nav_msgs__msg__Odometry odometry;
@@ -78,27 +78,27 @@ typedef struct {
 #endif
     rosgraph_msgs__msg__Clock clock;
     diagnostic_msgs__msg__DiagnosticArray told;
-    const char *free_topics[WMR_HEARD + 1]; /* topics that tell free distances */
+    const char *free_topics[WMR_HEARD + 1]; /* number of topics with free distances */
     int64_t simulated_now, grave, passing, refused_at, never;
     int64_t more_parts, with_parts; /* whether, and how many, commands had parts that the base cannot follow */
-    char useless[ROOM], doubtful[ROOM]; /* what was last found in the graph; empty where all is well */
+    char useless[ROOM], doubtful[ROOM]; /* last problem found in the graph; empty if there is none */
 } filter_node;
 
 /* Types of what is heard, as the graph names them. */
 const char *wmr_type_name(int place);
 
-/* Ends the process with a sentence where a call fails. */
+/* Ends the process with a sentence if a call fails. */
 void wmr_check(rcl_ret_t result, const char *what);
 
-/* Reads the arguments; makes messages, publishers, subscriptions, the service, and what waits for them; all of it
-   ends with the process.  Ends that with a sentence where it fails. */
+/* Reads the arguments; creates messages, publishers, subscriptions, the service and a wait set, all of which live as
+   long as the process.  Ends the process with a sentence if this fails. */
 void wmr_connect(filter_node *n, int argc, const char *const *argv);
 
-/* Whether somebody voids the node's promise or keeps everything from it: another publisher beside it, or a sender of whom
-   nothing is heard; a sentence on that in a text of ROOM. */
+/* True if another publisher voids the node's promise, or if a sender's messages cannot be received; writes a sentence
+   on it to a text of ROOM. */
 int wmr_useless(filter_node *n, char *text);
 
-/* Whether what the node reads has several senders, or somebody does not get what it sends. */
+/* True if a topic that the node reads has several senders, or somebody does not get what the node sends. */
 int wmr_doubtful(filter_node *n, char *text);
 
 #endif

@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-/* ROS time may go back, or fall behind, by so much without having jumped. */
+/* ROS time may go back, or fall behind, by this much before it counts as a jump. */
 #define SLACK INT64_C(10000000)
 /* ROS time that gains so much on the steady clock has jumped ahead. */
 #define JUMP INT64_C(500000000)
-/* A stamp this far in the future is the clock of another machine. */
+/* A stamp this far in the future comes from another machine's clock. */
 #define AHEAD INT64_C(50000000)
 
 int64_t wmr_clocks_see(wmr_clocks *clocks, const wmr_moment *now)

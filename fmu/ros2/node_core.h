@@ -1,5 +1,5 @@
-/* Decisions that both ROS 2 nodes share: what happened to time, and which messages count.  One text for the nodes in
-   Python and for the node in C.  No ROS, no heap, no globals, no input or output; times in nanoseconds. */
+/* Decisions that both ROS 2 nodes share: events of the clocks, and accepted messages.  The nodes in Python and the node
+   in C use the same text.  No ROS, no heap, no globals, no input or output; times in nanoseconds. */
 #ifndef WMR_NODE_CORE_H
 #define WMR_NODE_CORE_H
 
@@ -13,14 +13,14 @@ typedef struct {
 /* What can happen to time between two callbacks: bits. */
 enum { WMR_TIME_BACK = 1, WMR_TIME_FORTH = 2, WMR_FROZEN = 4, WMR_HAPPENINGS = 3 };
 
-/* Looks at the time of each callback; ``longest`` is the pause that is no freeze. */
+/* Checks the time of each callback; ``longest`` is the longest pause that is not a freeze. */
 typedef struct {
     int64_t longest, begun;
     wmr_moment before;
     int64_t counts[WMR_HAPPENINGS];
 } wmr_clocks;
 
-/* Why a message does not count. */
+/* Reasons for refusing a message. */
 enum {
     WMR_TAKEN,
     WMR_NOT_A_NUMBER,
@@ -41,7 +41,7 @@ typedef struct {
     int64_t timeout, stamp, stamped, arrived, there, late, thawed, taken, refused[WMR_REASONS];
 } wmr_intake;
 
-/* What has happened since the last look.  Simulated time may run at any rate, so only its leaps are jumps ahead. */
+/* Events of the clocks since the last look.  Simulated time may run at any rate, so only its leaps are jumps ahead. */
 int64_t wmr_clocks_see(wmr_clocks *clocks, const wmr_moment *now);
 
 /* Takes a message of ``count`` values; ``framed``: its frame is the right one; ``stamp`` 0: it has none.  Simulated
@@ -50,7 +50,7 @@ int64_t wmr_clocks_see(wmr_clocks *clocks, const wmr_moment *now);
 int64_t wmr_intake_take(
     wmr_intake *intake, int64_t count, const double *values, int64_t framed, int64_t stamp, const wmr_moment *now);
 
-/* Counts a message that is refused; the reason again. */
+/* Counts a refused message; returns the reason. */
 int64_t wmr_intake_refuse(wmr_intake *intake, int64_t reason);
 
 /* Age of the message's data [s]; -1 without a message. */
@@ -65,7 +65,7 @@ const char *wmr_reason(int64_t reason);
 /* Whether a message's frame is the wanted one: "" wants none, and one without passes unless it must be ``named``. */
 int64_t wmr_frame_fits(const char *wanted, const char *given, int64_t named);
 
-/* Whether the quaternion is a rotation, but for ``slack`` in its length. */
+/* True if the quaternion's length is 1 to within ``slack``. */
 int64_t wmr_is_rotation(const double *quaternion, double slack);
 
 #endif

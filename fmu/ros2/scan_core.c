@@ -11,7 +11,7 @@
 #define TURN 6.283185307179586
 /* Angle between two rays through what no beam covers. */
 #define APART 0.017
-/* What may be as near as the disc is put just inside its edge, where rounding cannot miss it. */
+/* Points at the disc's edge are put just inside it, where rounding cannot miss them. */
 #define INSIDE 0.999
 
 typedef struct {
@@ -110,7 +110,7 @@ void wmr_scan_take(int64_t laser, const wmr_beams *b, wmr_sight *seen, double (*
     seen->half = TURN - covered > fabs(b->step) ? (TURN - covered) / 2 : 0.0;
 }
 
-/* Whether another laser covers all that is along a ray from the edge of the disc on. */
+/* True if other lasers cover a whole ray that begins at the disc's edge. */
 static int is_covered(const wmr_sight *seen, int64_t laser, double angle, const double *edge)
 {
     for (int64_t k = 0; k < WMR_SCANS; ++k) {
@@ -140,7 +140,7 @@ static void meet(const double *point, const double *window, double *ways)
     ways[1] = fmin(ways[1], y[1]);
 }
 
-/* What no laser covers may be as near as the disc's edge. */
+/* Where no laser sees, an obstacle may be at the disc's edge. */
 static void over_gaps(const wmr_sight *seen, const double *window, double *ways)
 {
     for (int64_t k = 0; k < WMR_SCANS; ++k) {

@@ -1,5 +1,5 @@
-/* What lasers see: points in the base's frame, and the free distances of a disc among them.  No heap, no globals; angles
-   in rad, lengths in m.  gate_numbers.h is generated: poses of the lasers, radius, angles that are ignored. */
+/* Points that lasers see, in the base's frame, and the free distances of a disc among them.  No heap, no globals; angles
+   in rad, lengths in m.  gate_numbers.h is generated: poses of the lasers, radius, ignored angles. */
 #ifndef WMR_SCAN_CORE_H
 #define WMR_SCAN_CORE_H
 
@@ -26,7 +26,7 @@ typedef struct {
 /* Sides that can never be free: bits. */
 enum { WMR_AHEAD = 1, WMR_BEHIND = 2 };
 
-/* Whether the message has angles, ranges and a number of beams that can be used. */
+/* True if the message has usable angles, ranges and number of beams. */
 int64_t wmr_scan_usable(const wmr_beams *beams);
 
 /* Takes the message of a laser. */

@@ -1,5 +1,5 @@
-/* Which set of vector instructions runs is decided here, when the library is used: the best of those
-   in it that this processor has and this operating system saves. */
+/* Choice of vector instructions at run time: the best compiled set that this processor has and this
+   operating system saves. */
 #include <stdint.h>
 
 #include "export.h"
@@ -13,7 +13,7 @@ WMR_DECLARE(baseline)
 #if defined(WMR_HAS_avx2) || defined(WMR_HAS_avx512)
 #include <cpuid.h>
 
-/* Bits of cpuid that x86-64-v3 and v4 stand for: leaf 1 ECX, leaf 7 EBX, leaf 0x80000001 ECX. */
+/* Bits of cpuid that x86-64-v3 and v4 require: leaf 1 ECX, leaf 7 EBX, leaf 0x80000001 ECX. */
 #define V3_FIRST 0x38D83201u   /* SSE3, SSSE3, FMA, CX16, SSE4.1, SSE4.2, MOVBE, POPCNT, OSXSAVE, AVX, F16C */
 #define V3_SEVENTH 0x00000128u /* BMI1, AVX2, BMI2 */
 #define V3_EXTENDED 0x00000021u /* LAHF, LZCNT */
@@ -61,7 +61,7 @@ WMR_DECLARE(avx512)
 
 typedef struct {
     const char *name;
-    int level; /* of x86-64, that it needs */
+    int level; /* level of x86-64 that it needs */
     int32_t (*run)(const void *settings, void *findings, void *state);
     void (*sizes)(int64_t sizes[7]);
 } vector_set;
@@ -96,7 +96,7 @@ WMR_EXPORT const char *wmr_set_name(int32_t k)
     return set ? set->name : 0;
 }
 
-/* Of the k-th set, what library.c says: what the caller lays its memory out by. */
+/* Sizes that library.c reports for the k-th set, by which the caller arranges its memory. */
 WMR_EXPORT void wmr_sizes(int32_t k, int64_t sizes[7])
 {
     usable(k)->sizes(sizes);

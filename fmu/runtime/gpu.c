@@ -20,7 +20,7 @@
 #include "seed.c"
 #include "loop.c"
 
-/* What all robots of a launch share.  Rows of parameters (WMR_PHASES times WMR_PARAMETERS) and of
+/* Data that all robots of a launch share.  Rows of parameters (WMR_PHASES times WMR_PARAMETERS) and of
    starts (WMR_STATE) belong to cases; a robot's case is case_of[robot]. */
 typedef struct {
     int64_t robots, samples;

@@ -15,10 +15,10 @@
 typedef struct {
     const double *u, *p;
     double *x, *y;
-    double largest; /* what no input may exceed in size */
+    double largest; /* largest size of an input */
 } wmr_call;
 
-/* What is no number is not within anything. */
+/* False for NaN. */
 static int all_within(const double *values, int count, double most)
 {
     for (int i = 0; i < count; i++) {

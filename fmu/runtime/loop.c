@@ -89,7 +89,7 @@ static const wmr_v *parameters(const wmr_settings *s, const wmr_loop *w)
     return s->parameters + w->phase * WMR_PARAMETERS;
 }
 
-/* What the kernels take of the parameters alone. */
+/* Values that depend on the parameters alone. */
 static void prepare(const wmr_settings *s, wmr_loop *w)
 {
 #ifdef WMR_OUTSIDE
@@ -267,7 +267,7 @@ static void add_up(const wmr_settings *s, const wmr_loop *w, const wmr_v *seen)
     }
 }
 
-/* What the guard did, or would have, and whether the motion contradicts its bounds. */
+/* Records the guard's action, also that of an inactive guard, and whether the motion contradicts its bounds. */
 static void watch(wmr_loop *w, const wmr_v *seen)
 {
     wmr_v *found = w->findings, *peak = &found[WMR_FOUND_TORQUE];
@@ -290,7 +290,7 @@ static void watch(wmr_loop *w, const wmr_v *seen)
 }
 #endif
 
-/* The slow part that a sample left holds now, beside the fast part as it is. */
+/* From now on the slow part that a sample left is valid, with the unchanged fast part. */
 static void take_on(wmr_loop *w)
 {
 #ifdef WMR_ONE_STATE
@@ -326,7 +326,7 @@ void wmr_loop_sample(const wmr_settings *s, wmr_loop *w, wmr_v *row)
     w->sample += 1;
 }
 
-/* A row of all lanes becomes a row in the log of each, with one kind of NaN. */
+/* Copies a row of all lanes to the log of each lane, with one kind of NaN. */
 static void deal(double *const *log, int64_t sample, const wmr_v *row)
 {
     for (int i = 0; i < WMR_WIDTH; ++i) {

@@ -28,7 +28,7 @@ typedef struct {
     const volatile int32_t *cancelled; /* not 0: return at the next sample */
     const wmr_v *parameters;           /* phases rows of WMR_PARAMETERS */
     const wmr_v *start;                /* WMR_STATE */
-    wmr_v *queue;                      /* commands under way: 2 for each plant step of the delay */
+    wmr_v *queue;                      /* commands in transit: 2 for each plant step of the delay */
     wmr_v *sums;                       /* windows rows of WMR_WINDOW */
     double *const *log;                /* a lane each: samples rows of WMR_ROW, or NULL; or NULL */
 } wmr_settings;
@@ -36,7 +36,7 @@ typedef struct {
 /* Everything that a run changes, and what it takes from the parameters at its start. */
 typedef struct {
     int64_t sample, step, phase, substeps, delay_steps;
-    int64_t now; /* which of the states holds */
+    int64_t now; /* index of the valid state */
     wmr_m running;
     wmr_v clock[WMR_CLOCK];
     wmr_v states[2][WMR_STATE + 1]; /* a sample reads one and leaves its slow part in the other */

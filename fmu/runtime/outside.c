@@ -17,7 +17,7 @@
 #define SHOWN (WMR_HELD + WMR_ROW)
 #endif
 
-/* Bytes of the settings and of the loop, and numbers of a sample and of what acts. */
+/* Sizes of settings and loop [bytes], of a sample and of the acting numbers [numbers]. */
 WMR_EXPORT void wmr_outside_sizes(int64_t sizes[4])
 {
     sizes[0] = (int64_t)sizeof(wmr_settings);

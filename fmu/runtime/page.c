@@ -25,7 +25,7 @@
 #include "loop.c"
 #include "seed.c"
 
-/* What the page writes and reads comes first, in 8 bytes each; see WMR_PAGE(places). */
+/* Numbers that the page writes and reads come first, in 8 bytes each; see WMR_PAGE(places). */
 typedef struct {
     double row[WMR_ROW], start[WMR_STATE], parameters[WMR_PHASES_MOST * WMR_PARAMETERS];
     int64_t phase_start[WMR_PHASES_MOST];
@@ -72,10 +72,10 @@ int32_t WMR_PAGE(sample)(robot *r)
     return r->loop.running != 0;
 }
 
-/* Where the state that holds now is. */
+/* Address of the valid state. */
 double *WMR_PAGE(state)(robot *r) { return wmr_loop_state(&r->loop); }
 
-/* The parameters have been written to: from now on they hold. */
+/* Puts changed parameters into force. */
 void WMR_PAGE(changed)(robot *r)
 {
     wmr_clock(parameters(&r->settings, &r->loop), r->loop.clock);

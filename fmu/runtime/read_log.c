@@ -8,12 +8,12 @@
 #define RESULTS (1 + 2 * WMR_OUTPUTS)
 #define COLUMN (WMR_OUTPUTS * (WMR_OUTPUTS + 3) / 2)
 
-#define LONGEST 0.01   /* longest piece that is stepped over at once [s] */
-#define SHORTEST 1e-9  /* what is shorter is no piece [s] */
+#define LONGEST 0.01   /* longest piece of time for one step [s] */
+#define SHORTEST 1e-9  /* shorter pieces of time are skipped [s] */
 
 enum { SKIPPED, COUNTED, WATCHED };
 
-/* Parameters, what the kernels take of them alone, and directions: of a group one after the other. */
+/* Parameters, values that depend on them alone, and directions, one after another within a group. */
 typedef struct {
     wmr_v p[PARAMETERS], dp[GROUPS][WMR_DIRECTIONS * PARAMETERS];
     wmr_v predict[WMR_PREDICT_PREPARED + 1], predict_slopes[WMR_PREDICT_SLOPES_PREPARED + 1];
@@ -66,7 +66,7 @@ static void step(const wmr_v *u, const model *m, filter *f)
     memcpy(f->x, next, sizeof next);
 }
 
-/* Adds what a measurement tells: to nll (1), and with slopes to gradient (NAMES), fisher (NAMES by NAMES). */
+/* Adds a measurement's contributions to nll (1), and with slopes to gradient (NAMES), fisher (NAMES by NAMES). */
 static void correct(const wmr_v *u, const model *m, filter *f, double *nll, double *gradient,
                     double *fisher, double *told)
 {
@@ -115,10 +115,10 @@ static void move(const double *command, double h0, double h1, double delay, cons
     }
 }
 
-/* `count` samples at times t with what was seen then (count, 2), and `sent` commands (sent, 2) of which each acts from
-   command_t and a delay on, until the next.  At the samples `first` begins a stretch, with means from `start`
-   (stretches, STATE) and a covariance.  A sample counts as its kind says, in its block; it writes its residuals, their
-   sizes in standard deviations, then the mean after it, to `told`.  Without `slopes` there are no derivatives. */
+/* `count` samples at times t with measurements (count, 2), and `sent` commands (sent, 2); each acts from command_t plus
+   a delay until the next one.  At the samples `first` a stretch begins, with means from `start` (stretches, STATE) and a
+   covariance.  Each sample is used as its kind says, in its block.  It writes its residuals, their sizes in standard
+   deviations, and the mean after it to `told`.  Without `slopes` there are no derivatives. */
 WMR_EXPORT void wmr_read_log(int64_t count, int64_t sent, int64_t stretches, int32_t of_speed,
                              int32_t slopes, const double *t, const double *seen,
                              const double *variance, const double *command_t,

@@ -22,7 +22,7 @@ from wmr_ctrl.core.fields.units import length
 from wmr_ctrl.world.scenario import Scenario
 
 SPEEDS = (0.1, 0.25, 0.5, 0.75, 1.0)
-"""Shares of the limit from which stops are told."""
+"""Speeds, as shares of the limit, for which `check` prints stopping distances."""
 BACK = (", backwards,", ", to the right,")
 """The other direction of v and of omega."""
 

@@ -21,7 +21,7 @@ DEVIATIONS = (1e-4, 3.0)
 
 
 GONE = 0.02
-"""Share of its start at which an answer counts as gone."""
+"""Share of its initial value below which a response counts as decayed."""
 
 
 def draw_against_run(found: AgainstRun, path: Path) -> Path:

@@ -21,7 +21,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from .diagnosis import rivals, two_senders
 
 EVER = {"deadline": Infinite, "liveliness_lease_duration": Infinite}
-"""Durations that the graph reports of endpoints without them; left out, they pass for another."""
+"""Durations that the graph reports for endpoints that state none; without them the profiles would
+differ."""
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, **EVER)
 SURE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, **EVER)
 KEPT = QoSProfile(

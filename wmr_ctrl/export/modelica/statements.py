@@ -27,7 +27,7 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.world.model.graph import SELECT, Graph
 
 LARGEST = 1e300
-"""Infinity, which Modelica has no number for."""
+"""Replacement for infinity, which Modelica lacks."""
 _LONGEST = 56
 """Characters of an expression that is written where it is used, if it is used once."""
 _STEP = "  "

@@ -22,7 +22,7 @@ FEWEST_ROWS = 50
 MOST_EMPTY = 1000
 """Longest gap, over the usual step times the number of rows."""
 STEPS = (5e-4, 0.5)
-"""Median time between rows that can be meant [s]."""
+"""Plausible median time between rows [s]."""
 MOST_SIZE = 1e6
 """Largest number of a log in our units."""
 MOST_COUNTS = 1e15

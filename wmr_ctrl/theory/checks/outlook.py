@@ -32,7 +32,7 @@ from .torques import GRIP
 TEXT = "scenario_toml"
 """Provenance key of a run's scenario."""
 IN_PART = ("assumption-void", "exact-pose")
-"""Remarks that narrow what a run shows, and blame it for nothing."""
+"""Remarks that narrow what a run shows but report no fault."""
 OF_THEORY = (OBJECTED, NOT_CHECKED)
 """Remarks that repeat what theory says without a run."""
 

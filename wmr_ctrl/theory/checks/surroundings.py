@@ -37,7 +37,7 @@ IDLE = data(__package__, "idle.toml")
 """Numbers of a base that leaves every command as it is, and gives every torque."""
 
 MANY = 16.0
-"""Samples beyond which their nearest whole number stands for a time."""
+"""Number of samples above which a time is rounded to whole samples."""
 
 
 @dataclass(frozen=True)
