@@ -136,7 +136,7 @@ def linear(
 CLIMBS, CLIMBERS = 10, 10
 """Steps of a hill climb, and drawn trials per climber; the worst ones climb."""
 UNTIMELY = (0.0, 0.02, 0.3, 0.9, 1.0, 1.2, 1.7, 3.0)
-"""Periods from one step to the next if steps come at any time."""
+"""Times between steps that come at any time, in periods."""
 
 
 class _Batch:

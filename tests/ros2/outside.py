@@ -215,7 +215,7 @@ class Base:
         return found | {"refused": self.refused() - before}
 
     def latched(self):
-        """Reaction to odometry that is too fast, then sound, and to a reset."""
+        """Reaction to too fast odometry followed by sound odometry, and to a reset."""
         fast = self.fault(self.rested("too-fast"), first=lambda: None, spoil=speed(1.4))
         self.go(0.5)
         return {"too fast": fast, "latched": [self.seen[-1][1:], self.reset()]}

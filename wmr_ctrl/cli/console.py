@@ -179,8 +179,7 @@ def _told(error: Exception) -> tuple[str, int]:
 TICK = 0.25
 """Seconds between two looks at the clock where stderr is not a terminal."""
 FIRST = INTERVAL = 3.0 - TICK
-"""Seconds until the first line of progress, and between two: no command is silent for more than 3
-s."""
+"""Seconds until the first line of progress, and between two: none may be silent for over 3 s."""
 
 
 FORESEEN = 0.2

@@ -25,7 +25,7 @@ LEADS_IN = {(-1, 0): 0.0, (1, 0): 180.0, (0, 1): -90.0, (0, -1): 90.0}
 
 @dataclass(frozen=True)
 class Drawn:
-    """A placed port or part: half its size, its middle, its turn."""
+    """A placed port or part: half its size, its centre and its rotation."""
 
     kind: str
     half: float

@@ -12,7 +12,7 @@ from wmr_ctrl.core.errors import ArgumentError
 from wmr_ctrl.export.fmi.targets import TARGETS, host
 
 _WITHOUT_PREFIX = "-DFMI2_OVERRIDE_FUNCTION_PREFIX -DFMI3_OVERRIDE_FUNCTION_PREFIX"
-"""Flags by which sources leave the model's name out of their functions' names."""
+"""Compiler flags with which functions have no prefix of the model's name."""
 
 
 def place_of(folder: Path, version: int, model: str) -> Path:

@@ -80,7 +80,7 @@ DRIVEN = (*TORQUES, *NOISES, *(s.name for s in BODY_FORCE), *DISTURBED, *COMMAND
 SEEN = (*DESIRED, *STATE, *TAU_APPLIED.elements, ODOMETRY_AGE.name, *READY)
 """Sources of a controller."""
 TAKEN = {"plant": DRIVEN, "controller": SEEN}
-"""Quantities of ours that inputs of each part may be made of."""
+"""Our quantities from which inputs of each part may be computed."""
 GIVEN = {
     "plant": (*STATE, *READY, PATH.name, SKID.name),
     "controller": (*TORQUES, *FORCE.elements, *COMMANDED, *WHEELS),

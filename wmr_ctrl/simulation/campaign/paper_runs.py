@@ -12,7 +12,7 @@ PAPER_LAWS = ("pid", "smc", "mb", "nn")
 BARRIER_LAWS = ("mb", "nn")
 """The laws that Theorems 1 and 2 are about."""
 QUICK_SEEDS = 3
-"""Seeds of a campaign that is only to be seen working."""
+"""Seeds for a quick campaign that only shows that everything runs."""
 STUDIES = studies_in(__package__, "paper_runs.toml")
 """Runs for Sections V and VI, their controls, the theorems as stated, and their ends."""
 
