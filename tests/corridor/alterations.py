@@ -52,7 +52,6 @@ HARMLESS = {
     "self.latest[place].max(axis=0)": "a box that a deviation leaves is made anew (`_bent`)",
     "max(growth, 1.0)": "with how many bits a matrix is computed, which `doubles` verifies",
     "linear.max(axis=0)": "where the search for an error of dead reckoning begins",
-    "np.minimum(pairs[:, first, second], both ** 2 / (4 * along.ratios))": "each holds",
 }
 """Further bounds that choose something, and what."""
 
