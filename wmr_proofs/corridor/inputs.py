@@ -40,7 +40,7 @@ from wmr_ctrl.world.wheel_speed_limit import WHEEL_SPEED_LIMIT
 
 from .condition import AXES, Condition
 from .late_guard import counts_late, is_plain
-from .loop import MOST_NUMBERS, SampledLoop, punctual
+from .loop import MOST_NUMBERS, LawLoop, punctual
 from .overlap import ramps
 
 OF_BASE = (
@@ -229,7 +229,7 @@ def _check_base(scenario: Scenario) -> None:
         )
 
 
-def check_size(loop: SampledLoop) -> None:
+def check_size(loop: LawLoop) -> None:
     """Raise NoCorridorError for a loop larger than the sums' rounding bounds assume."""
     count = len(loop.names) + COMMAND * loop.queue + loop.memory + loop.acting
     if count > MOST_NUMBERS:

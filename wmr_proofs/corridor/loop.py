@@ -24,8 +24,8 @@ from wmr_ctrl.control.laws.context import LawContext
 from wmr_ctrl.control.laws.observer import FORCE_HAT, OLD_VELOCITY
 from wmr_ctrl.control.laws.registry import blamed_law
 from wmr_ctrl.control.setup import Setup
-from wmr_ctrl.core.signals import TAU_APPLIED, TORQUE, Signal, tau_sent
-from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats, World, carried
+from wmr_ctrl.core.signals import TAU_APPLIED, TORQUE, Signal, places, tau_sent
+from wmr_ctrl.theory.checks.error_coordinates import COMMAND, ROBOT, Floats, carried
 from wmr_ctrl.theory.checks.loop import Loop
 from wmr_ctrl.theory.checks.sending import SendingLoop
 from wmr_ctrl.theory.checks.surroundings import surroundings
@@ -95,74 +95,77 @@ class Curve:
         return sizes
 
 
-class SampledLoop:
-    """A law's loop on the reference.
+class LawLoop:
+    """A law's loop in error coordinates: ``loop`` without limits, ``world`` around it, its graphs.
 
-    ``law``: function of (e, v, memory, sent, acting): command, next memory, acting command, and
-    conditions' values.  ``step``: function of fast state, command, push and BODY: the fast state a
-    plant step later.  ``conditions`` in the order of those values.  ``late``: plant steps until a
-    command acts.  If poses are corrected in part, the last ``filter`` numbers of the memory are the
-    estimated pose's error and the velocity used for its dead reckoning.  ``observed``: indices in
-    the memory at which an observer's force and its remembered velocity begin, None without one.
+    ``conditions`` in the order of the law's outputs.  ``forces``: signals that the law reads beside
+    its own memory.  ``late``: plant steps until a command acts.
     """
-
-    overlap: Overlap = ALONE
-    force_sizes: Floats = NOTHING
 
     def __init__(
         self,
         setup: Setup,
-        v_d: Floats,
         asked: Asked,
         overlap: Overlap = ALONE,
         force_sizes: Floats = NOTHING,
     ) -> None:
-        """Compose the graphs; ``asked``: conditions on the law's force and measured velocity.
+        """Compose the law; ``asked``: conditions on its force and measured velocity.
 
         ``force_sizes``: force sizes for which a guard with late commands is checked.
         """
-        self.overlap, self.force_sizes = overlap, force_sizes
-        robot = setup.scenario.robot
-        loop, world = self._prepare(setup, asked)
-        point = loop.on_reference(np.array(v_d, dtype=float))
-        if setup.takes_velocity:
-            own = balanced(setup.scenario, world.fast[5:], v_d)
-        else:
-            torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(point.force))))
-            own = np.concatenate((np.zeros(0), *(
-                torque if item.signal.unit == TORQUE[0].unit else item.value
-                for item in world.fast[5:]
-            )))  # fmt: skip
-        fast = np.concatenate((point.s, own))
-        by, after = self._step_graph(world, ca.SX(ca.DM(v_d)), {})
-        at = np.concatenate((fast, point.force, np.zeros(COMMAND), (robot.m, robot.I)))
-        self.step = Curve("the robot", by, after, at)
-        self._compose_law(loop, point.memory, point.force)
-
-    def _prepare(self, setup: Setup, asked: Asked) -> tuple[Loop, World]:
-        """The law's loop without limits, and the graphs around it."""
+        self.setup, self.overlap, self.force_sizes = setup, overlap, force_sizes
         clock, around = setup.scenario.clock, surroundings(punctual(setup.scenario))
-        self.setup, self.steps = setup, clock.substeps
-        self._asked = asked
+        self.steps, self._asked = clock.substeps, asked
         if setup.takes_velocity:
-            loop: Loop = SendingLoop(setup, sender=self._inside(LawContext(setup)))
+            self.loop: Loop = SendingLoop(setup, sender=self._inside(LawContext(setup)))
         else:
-            loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
-        world = around.worlds(clock.control)[0][1]
-        self.names = world.names
+            self.loop = Loop(replace(setup, law=replace(setup.control_law, build=self._inside)))
+        self.forces = [item.signal for item in remembered(self.loop.core)]
+        self.world = around.worlds(clock.control)[0][1]
+        self.names = self.world.names
         self.late = int(np.floor(around.drives.delay / clock.plant + 0.5))
-        return loop, world
+
+    @property
+    def count(self) -> int:
+        """Number of conditions."""
+        return len(self.conditions)
 
     @cached_property
-    def reckoning(self) -> Curve:
-        """Error (3) of dead reckoning over a sample, as a function of e and v (5) at its
-        beginning.
+    def filter(self) -> int:
+        """Size of a corrected pose's part of the memory, its end.
+
+        That is the estimated pose's error, and the velocity used for its dead reckoning.
         """
-        at = self.step.at[:ROBOT]
-        by, v_d = ca.SX.sym("s", ROBOT), ca.SX(ca.DM(at[3:]))
-        period, none = ca.SX(self.setup.scenario.clock.control), ca.SX(0)
-        ahead = estimated(by, ca.SX.zeros(3), v_d, period, none)
-        return Curve("dead reckoning", by, ahead, at)
+        return ROBOT if self.setup.scenario.sensor.correction < 1 else 0
+
+    @cached_property
+    def memory(self) -> int:
+        """Size of the memory, which leaves out the law's last state: values of conditions."""
+        core = self.loop.core
+        return core.x.numel() - core.state[-1].signal.size + self.filter
+
+    @cached_property
+    def observed(self) -> tuple[int, int] | None:
+        """Indices in the memory at which an observer's force and its remembered velocity begin."""
+        rows = places(item.signal for item in self.loop.core.state)
+        if OLD_VELOCITY.name not in rows:
+            return None
+        return rows[FORCE_HAT.name].start, rows[OLD_VELOCITY.name].start
+
+    @cached_property
+    def queue(self) -> int:
+        """Number of commands in the state."""
+        whole, part = delay_in_periods(self.setup.scenario)
+        reach = whole + (part > 0) + 1 if TAU_APPLIED in self.forces else 0
+        behind, left = divmod(self.late, self.steps)
+        arriving = behind + (left > 0) + (self.overlap.steps > 0)
+        return max(reach, self.setup.predicted, arriving, commands_counted(self.setup))
+
+    @cached_property
+    def acting(self) -> int:
+        """Size of the acting command, where a law reads it behind a lag."""
+        lags = self.setup.scenario.actuator.lag > 0
+        return COMMAND if lags and TAU_APPLIED in self.forces else 0
 
     def _changes(self, changes: ca.SX) -> list[Condition]:
         """Conditions on the change from one command to the next; they are the last ones."""
@@ -180,14 +183,12 @@ class SampledLoop:
         phase, share = (s - rest) % self.steps, self.overlap.share
         return behind + (s < rest), float(share[phase]) if phase < len(share) else 0.0
 
-    def _step_graph(
-        self, world: World, v_d: ca.SX, changed: Mapping[str, ca.SX]
-    ) -> tuple[ca.SX, ca.SX]:
+    def _step_graph(self, v_d: ca.SX, changed: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
         """Fast state, command, push and BODY in one vector, and the fast state a plant step later.
 
         The reference moves at ``v_d``; ``changed``: other numbers of the robot by their names.
         """
-        scenario, clock = self.setup.scenario, self.setup.scenario.clock
+        scenario, clock, world = self.setup.scenario, self.setup.scenario.clock, self.world
         sizes = (("z", world.size), ("u", COMMAND), ("d", COMMAND), ("body", COMMAND))
         z, u, push, body = (ca.SX.sym(name, n) for name, n in sizes)
         sends, around = self.setup.takes_velocity, surroundings(punctual(scenario))
@@ -223,78 +224,44 @@ class SampledLoop:
         update = ca.vertcat(system.update, values, most)
         return replace(system, state=(*system.state, seen), update=update)
 
-    def _compose_law(self, loop: Loop, memory: Floats, rest: Floats) -> None:
-        v_d = self.step.at[3:ROBOT]
-        desired = ca.SX(ca.DM(v_d))
-        by, output, sizes = self._law_graph(loop, desired, ca.SX.zeros(2), desired)
-        memory = memory[: self.memory - self.filter]
-        if self.filter:
-            memory = np.concatenate((memory, self.step.at[:ROBOT]))
-        at = np.concatenate((
-            self.step.at[:ROBOT], memory, np.tile(rest, self.queue), rest[: self.acting],
-        ))  # fmt: skip
-        self.remains = np.concatenate((rest, memory, rest[: self.acting]))
-        self.at = np.concatenate((
-            self.step.at[: len(self.names)], np.tile(rest, self.queue), self.remains[COMMAND:],
-        ))  # fmt: skip
-        self.law = Curve("the law", by, output, at)
-        self.limits = Curve("the limits", by, sizes, at)
-        self.most = self.limits.value()
-
     def _law_graph(
-        self, loop: Loop, v_d: ca.SX, rate: ca.SX, came: ca.SX
-    ) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """The law's inputs as one column, its outputs, and the sizes of the conditions' values.
+        self, v_d: ca.SX, rate: ca.SX, came: ca.SX
+    ) -> tuple[ca.SX, ca.SX, ca.SX, list[Condition]]:
+        """The law's inputs as one column, its outputs, sizes of the conditions' values, and these
+        conditions.
 
         The reference's velocity is ``v_d``, its rate ``rate``, and its velocity in the previous
         sample ``came`` (2 each).
         """
-        setup, scenario, core = self.setup, self.setup.scenario, loop.core
-        period = scenario.clock.control
-        self.count = len(self.conditions)
-        law_memory = core.x.numel() - 2 * self.count
-        places, place = dict[Signal, int](), 0
-        for item in core.state:
-            places[item.signal], place = place, place + item.signal.size
-        observes = OLD_VELOCITY in places
-        self.observed = (places[FORCE_HAT], places[OLD_VELOCITY]) if observes else None
-        filtered = scenario.sensor.correction < 1
-        self.filter = ROBOT if filtered else 0
-        self.memory = law_memory + self.filter
-        whole, part = delay_in_periods(scenario)
-        asked = [item.signal for item in remembered(core)]
+        setup, scenario, count = self.setup, self.setup.scenario, self.count
+        period, lag = scenario.clock.control, scenario.actuator.lag
+        law_memory = self.memory - self.filter
         ages = {tau_sent(age): age for age in range(1, setup.predicted + 1)}
-        reach = whole + (part > 0) + 1 if TAU_APPLIED in asked else 0
-        behind, left = divmod(self.late, self.steps)
-        arriving = behind + (left > 0) + (self.overlap.steps > 0)
-        self.queue = max(reach, setup.predicted, arriving, commands_counted(setup))
-        lag = scenario.actuator.lag
-        self.acting = COMMAND if lag > 0 and TAU_APPLIED in asked else 0
         s, own = ca.SX.sym("s", ROBOT), ca.SX.sym("memory", self.memory)
         shown = s
-        if filtered:
+        if self.filter:
             share = ca.SX(scenario.sensor.correction)
             seen = estimated(own[law_memory:], s[:3], came, ca.SX(period), share)
             shown = ca.vertcat(seen, s[3:])
         sent, acting = ca.SX.sym("sent", COMMAND * self.queue), ca.SX.sym("acting", self.acting)
         queue = ca.vertsplit(sent, COMMAND) if self.queue else []
         forces, end = [], acting
-        for signal in asked:
+        for signal in self.forces:
             if signal == TAU_APPLIED:
                 decay = np.exp(-scenario.clock.plant / lag) if lag else 0.0
-                late = whole, part, self.steps
+                late = (*delay_in_periods(scenario), self.steps)
                 start = acting if self.acting else ca.SX.zeros(COMMAND)
                 value, last = followed(queue, late, start, ca.SX(decay))
                 end = last if self.acting else acting
             else:
                 value = queue[ages[signal] - 1]
             forces.append(value)
-        given = ca.vertcat(own[:law_memory], ca.SX.zeros(2 * self.count))
-        numbers = ca.DM(loop.parameters(period))
-        force, following = loop.act(shown, v_d, rate, given, ca.vertcat(*forces), numbers)
+        given = ca.vertcat(own[:law_memory], ca.SX.zeros(2 * count))
+        numbers = ca.DM(self.loop.parameters(period))
+        force, following = self.loop.act(shown, v_d, rate, given, ca.vertcat(*forces), numbers)
         by = ca.vertcat(s, own, sent, acting)
-        sizes = following[law_memory + self.count :]
-        values = following[law_memory : law_memory + self.count]
+        sizes = following[law_memory + count :]
+        values = following[law_memory : law_memory + count]
         further = list[Condition]()
         if self.force_sizes.size:
             further += late_conditions(setup, force, s[ROBOT - COMMAND :], queue, self.force_sizes)
@@ -302,10 +269,61 @@ class SampledLoop:
             further += self._changes(force - sent[:COMMAND])
         values = ca.vertcat(values, *(item.value for item in further))
         sizes = ca.vertcat(sizes, *(item.most for item in further))
-        self.conditions += further
-        self.count += len(further)
         output = ca.vertcat(force, following[:law_memory], shown[: self.filter], end, values)
-        return by, output, sizes
+        return by, output, sizes, self.conditions + further
+
+
+class SampledLoop(LawLoop):
+    """A law's loop on the reference.
+
+    ``law``: function of (e, v, memory, sent, acting): command, next memory, acting command, and
+    conditions' values.  ``step``: function of fast state, command, push and BODY: the fast state a
+    plant step later.  ``remains``: outputs of the law on the reference, except conditions' values.
+    """
+
+    def __init__(
+        self,
+        setup: Setup,
+        v_d: Floats,
+        asked: Asked,
+        overlap: Overlap = ALONE,
+        force_sizes: Floats = NOTHING,
+    ) -> None:
+        """Compose the graphs; arguments as in LawLoop."""
+        super().__init__(setup, asked, overlap, force_sizes)
+        robot, point = setup.scenario.robot, self.loop.on_reference(np.array(v_d, dtype=float))
+        rest, desired, drives = point.force, ca.SX(ca.DM(v_d)), self.world.fast[5:]
+        if setup.takes_velocity:
+            own = balanced(setup.scenario, drives, v_d)
+        else:
+            torque = _numbers(force_to_wheel(*_wheels(robot), ca.SX(ca.DM(rest))))
+            own = np.concatenate((np.zeros(0), *(
+                torque if item.signal.unit == TORQUE[0].unit else item.value for item in drives
+            )))  # fmt: skip
+        by, after = self._step_graph(desired, {})
+        at = np.concatenate((point.s, own, rest, np.zeros(COMMAND), (robot.m, robot.I)))
+        self.step = Curve("the robot", by, after, at)
+        by, output, sizes, self.conditions = self._law_graph(desired, ca.SX.zeros(2), desired)
+        seen = point.s[: self.filter]
+        memory = np.concatenate((point.memory[: self.memory - self.filter], seen))
+        sent, acting = np.tile(rest, self.queue), rest[: self.acting]
+        self.remains = np.concatenate((rest, memory, acting))
+        self.at = np.concatenate((point.s, own, sent, memory, acting))
+        at = np.concatenate((point.s, memory, sent, acting))
+        self.law = Curve("the law", by, output, at)
+        self.limits = Curve("the limits", by, sizes, at)
+        self.most = self.limits.value()
+
+    @cached_property
+    def reckoning(self) -> Curve:
+        """Error (3) of dead reckoning over a sample, as a function of e and v (5) at its
+        beginning.
+        """
+        at = self.step.at[:ROBOT]
+        by, v_d = ca.SX.sym("s", ROBOT), ca.SX(ca.DM(at[3:]))
+        period, none = ca.SX(self.setup.scenario.clock.control), ca.SX(0)
+        ahead = estimated(by, ca.SX.zeros(3), v_d, period, none)
+        return Curve("dead reckoning", by, ahead, at)
 
 
 def punctual(scenario: Scenario) -> Scenario:

@@ -21,7 +21,7 @@ from wmr_ctrl.world.scenario import Scenario
 
 from .condition import Asked
 from .enclosure import BentEnclosure
-from .loop import SampledLoop
+from .loop import LawLoop
 from .midradius import OUTWARD, ROUNDED, MidRadius
 from .spans import MidRadiusGraph
 
@@ -134,7 +134,7 @@ class MovingCurve:
         """Differentiate; ``steep``: outputs with friction, and a size that is negligible there."""
         self.steep, self.little = steep
         self.by, self.numbers, self.output = by, numbers, output
-        self.name, self.shape = name, (output.numel(), by.numel())
+        self.shape = output.numel(), by.numel()
         slope = ca.jacobian(output, by)
         self.function = ca.Function("curve", [by, numbers], [ca.densify(output)])
         self._value = MidRadiusGraph(name, [by, numbers], ca.densify(output))
@@ -195,26 +195,26 @@ def _columns(points: MidRadius) -> list[MidRadius]:
     return [points[..., k] for k in range(points.middle.shape[-1])]
 
 
-class MovingLoop(SampledLoop):
+class MovingLoop(LawLoop):
     """A law's loop along a motion; graphs as in SampledLoop, by ``MovingCurve``."""
 
     def __init__(self, setup: Setup, motion: RunMotion, asked: Asked) -> None:
         """Compose the graphs."""
+        super().__init__(setup, asked)
         self.motion = motion
-        loop, world = self._prepare(setup, asked)
         way, mu = ca.SX.sym("way", 2), ca.SX.sym("mu")
-        by, after = self._step_graph(world, way, {"robot.mu": mu})
+        by, after = self._step_graph(way, {"robot.mu": mu})
         self.step_curve = MovingCurve(
             "the robot", by, ca.vertcat(way, mu), after, (slice(3, 4), 1e-7)
         )
         v_d, rate, came = (ca.SX.sym(name, 2) for name in ("v_d", "rate", "came"))
-        by, output, sizes = self._law_graph(loop, v_d, rate, came)
+        by, output, sizes, self.conditions = self._law_graph(v_d, rate, came)
         numbers = ca.vertcat(v_d, rate, came)
         self.law_curve = MovingCurve("the law", by, numbers, output, (slice(1), 0.01))
         self.sizes = MidRadiusGraph("the limits", [by, numbers], ca.densify(sizes))
         self.limit_sizes = ca.Function("limits", [by, numbers], [sizes])
-        rest = [item.value for item in world.fast[5:]]
-        begun = np.array(loop.core.x0)[: self.memory - self.filter]
+        rest = [item.value for item in self.world.fast[5:]]
+        begun = np.array(self.loop.core.x0)[: self.memory - self.filter]
         fast = np.concatenate((np.zeros(3), motion.v_d[0], *map(np.atleast_1d, rest)))
         if self.filter:
             begun = np.concatenate((begun, fast[:ROBOT]))

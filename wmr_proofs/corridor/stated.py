@@ -17,7 +17,7 @@ from .certificate import Certifier
 from .gains import DIRECTIONS, PAIRS
 from .inputs import Inputs, NoCorridorError
 from .instant import RunBounds
-from .loop import SampledLoop
+from .loop import LawLoop
 from .passage import Passing
 from .peaks import Peaks, Tube, reference_gap
 
@@ -142,7 +142,7 @@ def of_run(passing: Passing, bounds: RunBounds, room: float = ROOMS[0]) -> Certi
     )  # fmt: skip
 
 
-def _known(loop: SampledLoop, inputs: Inputs) -> dict[str, Any]:
+def _known(loop: LawLoop, inputs: Inputs) -> dict[str, Any]:
     return {
         "queue": loop.queue, "memory": loop.memory, "acting": loop.acting, "late": loop.late,
         "push": inputs.push, "pose": inputs.pose, "reckoned": inputs.reckoned,
