@@ -75,17 +75,25 @@ class Along:
         self.states, self.fine, self.outs = loop.undisturbed()
         if not (np.isfinite(self.states).all() and np.isfinite(self.outs).all()):
             raise NoCorridorError("the loop is unstable where nothing disturbs it")
-        self.law_off, self.step_off = self._residuals()
-        period, steps, nz = setup.scenario.clock.control, loop.steps, len(loop.names)
-        count = max(1, min(steps, ceil(period / KNOT - 1e-9)))
-        self.knots = [round(k * steps / count) for k in range(count)]
-        self.rows = fast_rows(nz, DIRECTIONS, self.pairs, self.ratios)
+        self.residuals = self._residuals()
+        self.rows = fast_rows(len(loop.names), DIRECTIONS, self.pairs, self.ratios)
         self._kept = list[tuple[int, int, MidRadius, MidRadius]]()
-        sizes = loop.sizes(*(
+
+    @cached_property
+    def knots(self) -> list[int]:
+        """Plant steps of a sample between which rows are bounded."""
+        steps = self.loop.steps
+        count = max(1, min(steps, ceil(self.setup.scenario.clock.control / KNOT - 1e-9)))
+        return [round(k * steps / count) for k in range(count)]
+
+    @cached_property
+    def most(self) -> Floats:
+        """Sizes that the conditions' values may have."""
+        sizes = self.loop.sizes(*(
             [MidRadius(np.array([x])) for x in part]
-            for part in (self._law_by(np.array([0]))[0], loop.law_numbers[0])
+            for part in (self._law_by(np.array([0]))[0], self.loop.law_numbers[0])
         ))  # fmt: skip
-        self.most = (sizes.middle - sizes.radius)[0] * (1 - 2**-50)
+        return np.asarray((sizes.middle - sizes.radius)[0] * (1 - 2**-50))
 
     def place(self, k: int) -> str:
         """Text on the time of a sample and the reference's motion there."""

@@ -144,7 +144,7 @@ def _summed(
     norms = _weighed(course, summed @ np.abs(columns), scale)[:, which]
     off = summed @ np.abs(whole_sample)
     rest = _weighed(steady[..., None], off[..., None], scale).sum()
-    estimate = n - sample.acting - loop.filter if loop.filter else None
+    estimate = n - loop.acting - loop.filter if loop.filter else None
     old = nz + COMMAND * loop.queue + loop.observed[1] if loop.observed else None
     sums = Responses(
         course, whole, np.abs(every), norms, scale, damping, n, steps, start, estimate, old,

@@ -61,7 +61,7 @@ class Remainders:
         pairs = sizes[:, :, None] * sizes[:, None]
         pairs[:, :ROBOT, :ROBOT] = products
         along = self.along
-        curve, off = self.curves[place], (along.law_off, along.step_off)[place]
+        curve, off = self.curves[place], along.residuals[place]
         return np.asarray((curve.remainders(bend, pairs) + off) * UP)
 
     def roomy(self, sizes: Floats) -> Floats:

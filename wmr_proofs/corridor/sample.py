@@ -46,14 +46,14 @@ class SampleMatrices:
     """Matrices of one sample in balls, in the current precision.
 
     The state is fast state, commands sent, memory, acting command; the law's outputs are its
-    command, next memory, acting command, and the conditions' values.
+    command, next memory, acting command, and the conditions' values.  ``within``: rows of the fast
+    state after each number of plant steps, by state and command, pushes, and late commands.
     """
 
     def __init__(self, loop: SampledLoop) -> None:
         """Compose x' = free x + outputs l + push d, l = law x, for sample and plant step."""
         nz, nq, nm, na = len(loop.names), COMMAND * loop.queue, loop.memory, loop.acting
         self.n = n = nz + nq + nm + na
-        self.acting = na
         slopes, step = (np.array(curve.slopes(), dtype=object) for curve in (loop.law, loop.step))
         self.law = balls(len(slopes), n)
         order = [
@@ -72,13 +72,11 @@ class SampleMatrices:
                 np.hstack([balls(COMMAND, at), unit_matrix(COMMAND), balls(COMMAND, n - at)])
             )
         now = np.hstack([unit_matrix(nz), balls(nz, n - nz + COMMAND)])
-        pushed, self.fast, self.pushed = balls(nz, COMMAND), [], []
-        late, self.lates, overlap = balls(nz, COMMAND * loop.overlap.steps), [], loop.overlap.steps
+        overlap = loop.overlap.steps
+        pushed, late = balls(nz, COMMAND), balls(nz, COMMAND * overlap)
+        self.within = [(now, pushed, late)]
         by_command = step[:, nz : nz + COMMAND]
         for s in range(loop.steps):
-            self.fast.append(now)
-            self.pushed.append(pushed)
-            self.lates.append(late)
             age, share = loop.acts(s)
             acts = ages[age]
             if share:
@@ -88,8 +86,8 @@ class SampleMatrices:
             late, phase = self.step @ late, (s - loop.late) % loop.steps
             if phase < overlap:
                 late[:, COMMAND * phase : COMMAND * (phase + 1)] += by_command
+            self.within.append((now, pushed, late))
         sent = [row for age in ages[: loop.queue] for row in age]
-        self._end = now, pushed, late
         rows = np.vstack([now, *sent, balls(nm + na, n + COMMAND)])
         self.push = np.vstack([pushed, balls(n - nz, COMMAND)])
         self.late = np.vstack([late, balls(n - nz, COMMAND * overlap)])
@@ -100,12 +98,7 @@ class SampleMatrices:
 
     def rows_within(self, s: int, picked: Floats) -> OutputRows:
         """Rows of the fast state after ``s`` plant steps of a sample."""
-        return self._rows(s, picked, (self.fast[s], self.pushed[s], self.lates[s]))
-
-    def _rows(
-        self, s: int, picked: Floats, there: tuple[BallArray, BallArray, BallArray]
-    ) -> OutputRows:
-        now, push, late = there
+        now, push, late = self.within[s]
         command = now[:, self.n :]
         whole = now[:, : self.n] + command @ self.law[:COMMAND]
         law = np.zeros((len(picked), len(self.law)))
@@ -125,10 +118,10 @@ class SampleMatrices:
         Rows of direct effects keep their signs.
         """
         nz = len(loop.names)
-        rows, reckoned = self._rows(loop.steps, np.eye(3, nz), self._end), balls(nz, self.n)
+        rows, reckoned = self.rows_within(loop.steps, np.eye(3, nz)), balls(nz, self.n)
         slopes = np.array(loop.reckoning.slopes(), dtype=object)
         reckoned[:3, :ROBOT] = slopes
-        now, push, late = self._end
+        now, push, late = self.within[-1]
         command = now[:, self.n :]
         whole = now[:, : self.n] + command @ self.law[:COMMAND] - reckoned
         seen = command @ self.seen[:COMMAND]
