@@ -14,10 +14,10 @@ from wmr_ctrl.world.scenario import MissingKeysError, Scenario, missing_text, se
 
 from .applied import Applied, Lateness, remembered
 from .guard.bounds import ROUNDING, pair_of
-from .guard.changing import ChangingLimits
+from .guard.changing import changing_limits
 from .guard.delay import Tails, delayed_push
 from .guard.guard import MAPS, Bounds, bounds_of, guarded, linear_first, possible
-from .guard.monitor import GuardMonitor, LateMotion
+from .guard.monitor import GuardMemory, LateMotion, monitored
 from .laws.context import LawContext
 from .laws.law import TorqueLimited
 from .laws.registry import blamed_law
@@ -105,15 +105,14 @@ def guard(setup: Setup) -> System:
 
 def _guarded_torque(
     setup: Setup, p: Parameters, asked: ca.SX, v: ca.SX, applied: Applied
-) -> tuple[ca.SX, GuardMonitor]:
-    """Wheel torques (2,) [N m] of a guarded force, and the monitor with its memory."""
+) -> tuple[ca.SX, GuardMemory]:
+    """Wheel torques (2,) [N m] of a guarded force, and the memory of monitor and guard."""
     r, half_track, phi = _wheels(setup, p)
     late = setup.guard.lateness(setup.scenario.clock)
     both, tails = bounds_of(p, late, setup.scenario.limits), Tails("guard_tail", late)
     changing = None
     if setup.guard.changing:
-        changing = ChangingLimits(setup.scenario, p, both)
-        both = changing.bounds
+        both, changing = changing_limits(setup.scenario, p, both)
     sent = [wheel_to_force(r, half_track, item.sym) for item in applied.earlier]
     first, second = (
         delayed_push(sent, late[i], i, b, tails) for i, b in enumerate(map(both.axis, (0, 1)))
@@ -121,13 +120,11 @@ def _guarded_torque(
     held = guarded(asked, v, both, (first, second))
     mapped = MAPS[setup.guard.map](held.force, phi, half_track, held.safe)
     torque = force_to_wheel(r, half_track, mapped)
-    monitor = _monitor(setup, p, both, v, applied, torque, held.active)
+    memory = _monitor(setup, p, both, v, applied, torque, held.active)
     if tails.state:
-        monitor.state = (*monitor.state, *tails.state)
-        monitor.update = ca.vertcat(monitor.update, tails.following([mapped, *sent], both))
-    if changing is not None:
-        monitor.remember(changing)
-    return torque, monitor
+        following = tails.following([mapped, *sent], both)
+        memory = memory.and_more(GuardMemory(tails.state, following))
+    return torque, memory.and_more(changing) if changing else memory
 
 
 def _limited_torque(setup: Setup, p: Parameters, asked: ca.SX) -> ca.SX:
@@ -150,7 +147,7 @@ def _monitor(
     applied: Applied,
     torque: ca.SX,
     active: ca.SX,
-) -> GuardMonitor:
+) -> GuardMemory:
     r, half_track, phi = _wheels(setup, p)
     guard, clock, drives = setup.guard, setup.scenario.clock, setup.scenario.actuator
     flags = (active, possible(both, phi, half_track, _built_for(setup, p)))
@@ -159,7 +156,7 @@ def _monitor(
         torques = (torque, *(item.sym for item in applied.earlier))
         new, *sent = (wheel_to_force(r, half_track, tau) for tau in torques)
         late = LateMotion(guard.since_last(clock), sent, new)
-    return GuardMonitor(both, v, applied.value, (r, half_track), flags, late)
+    return monitored(both, v, applied.value, (r, half_track), flags, late)
 
 
 def _built_for(setup: Setup, p: Parameters) -> list[ca.SX]:

@@ -22,6 +22,7 @@ from wmr_ctrl.world.model.system import Output, Parameters, port
 from wmr_ctrl.world.scenario import Scenario
 
 from .guard import Bounds
+from .monitor import GuardMemory
 
 IN_FORCE = Signal(
     "limits_in_force", "m/s, m/s, rad/s, rad/s", "limits that the guard keeps: v, then omega", 4
@@ -29,34 +30,31 @@ IN_FORCE = Signal(
 BEHIND = Signal("limits_behind", "1", "1: a limit in force is still wider than the one told")
 
 
-class ChangingLimits:
-    """Limits that change: input, state, diagnostic, and bounds with the limits in force."""
-
-    def __init__(self, scenario: Scenario, p: Parameters, both: Bounds) -> None:
-        """Limit the fall of the limits in ``both`` axes' bounds."""
-        self.told = limits_port(scenario)
-        self.before = port(IN_FORCE, self.told.value)
-        falling = scenario.guard.falling
-        slower = None if falling is None else p.take("guard.falling")
-        limits, behind = list[ca.SX](), ca.SX(0)
-        for i in (0, 1):
-            b = both.axis(i)
-            widest = b.mirrored.u1, b.u1  # backwards, forwards
-            fall = largest_fall(b, [way * self.before.sym[2 * i + k] for k, way in _SIDES], [
-                _usable(way * self.told.sym[2 * i + k], widest[k], b) for k, way in _SIDES
-            ])  # fmt: skip
-            if slower is not None:
-                fall = ca.fmin(fall, slower[i] * b.period)
-            for k, way in _SIDES:
-                wanted = _usable(way * self.told.sym[2 * i + k], widest[k], b)
-                limit = ca.fmax(wanted, way * self.before.sym[2 * i + k] - fall)
-                limit = ca.fmin(limit, widest[k])
-                behind = ca.logic_or(behind, limit > way * self.told.sym[2 * i + k])
-                limits.append(limit)
-        self.update = ca.vertcat(-limits[0], limits[1], -limits[2], limits[3])
-        ahead, back = ca.vertcat(limits[1], limits[3]), ca.vertcat(limits[0], limits[2])
-        self.bounds = replace(both, u1=ahead, back=back)
-        self.diagnostics = (Output(BEHIND, behind),)
+def changing_limits(scenario: Scenario, p: Parameters, both: Bounds) -> tuple[Bounds, GuardMemory]:
+    """Both axes' bounds with the limits in force, which fall slowly enough, and their memory."""
+    told = limits_port(scenario)
+    before = port(IN_FORCE, told.value)
+    falling = scenario.guard.falling
+    slower = None if falling is None else p.take("guard.falling")
+    limits, behind = list[ca.SX](), ca.SX(0)
+    for i in (0, 1):
+        b = both.axis(i)
+        widest = b.mirrored.u1, b.u1  # backwards, forwards
+        fall = largest_fall(b, [way * before.sym[2 * i + k] for k, way in _SIDES], [
+            _usable(way * told.sym[2 * i + k], widest[k], b) for k, way in _SIDES
+        ])  # fmt: skip
+        if slower is not None:
+            fall = ca.fmin(fall, slower[i] * b.period)
+        for k, way in _SIDES:
+            wanted = _usable(way * told.sym[2 * i + k], widest[k], b)
+            limit = ca.fmax(wanted, way * before.sym[2 * i + k] - fall)
+            limit = ca.fmin(limit, widest[k])
+            behind = ca.logic_or(behind, limit > way * told.sym[2 * i + k])
+            limits.append(limit)
+    update = ca.vertcat(-limits[0], limits[1], -limits[2], limits[3])
+    ahead, back = ca.vertcat(limits[1], limits[3]), ca.vertcat(limits[0], limits[2])
+    memory = GuardMemory((before,), update, (Output(BEHIND, behind),), (told,))
+    return replace(both, u1=ahead, back=back), memory
 
 
 _SIDES = ((0, -1), (1, 1))

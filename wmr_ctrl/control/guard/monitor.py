@@ -20,7 +20,7 @@ without disturbance, cannot explain.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import TYPE_CHECKING
 
@@ -34,7 +34,6 @@ from .delay import Tails, moved_since
 from .lateness import AT_ONCE, Since
 
 if TYPE_CHECKING:
-    from .changing import ChangingLimits
     from .guard import Bounds
 
 OLD_VELOCITY = Signal("guard_v", "m/s, rad/s", "measured velocity of the previous sample", 2)
@@ -42,47 +41,54 @@ STARTED = Signal("guard_started", "1", "0 before the first sample, then 1")
 SAMPLES = Signal("guard_samples", "1", "samples since the start, until what is counted is known")
 
 
-class GuardMonitor:
-    """State, update and diagnostics that the monitor adds to a System."""
+@dataclass(frozen=True)
+class GuardMemory:
+    """State, its update, diagnostics and inputs that a part of the guard adds to a System."""
 
-    def __init__(
-        self,
-        both: Bounds,
-        v: ca.SX,
-        applied: ca.SX,
-        wheels: tuple[ca.SX, ca.SX],
-        flags: tuple[ca.SX, ca.SX],
-        late: LateMotion | None = None,
-    ) -> None:
-        """Monitor ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m].
+    state: tuple[Port, ...]
+    update: ca.SX
+    diagnostics: tuple[Output, ...] = ()
+    inputs: tuple[Port, ...] = ()
 
-        ``flags``: clip_active (2,) and feasible, from the guard or its substitute.  ``late``: the
-        torque that was applied does not belong to the velocities.
-        """
-        old, started = port(OLD_VELOCITY), port(SAMPLES if late else STARTED)
-        force = wheel_to_force(*wheels, applied)
-        if late is None:
-            least = [least_push(v[i], old.sym[i], force[i], both.axis(i)) for i in (0, 1)]
-            known, begun = started.sym > 0, ca.SX(1)
-        else:
-            least = [late.least_push(i, v[i], old.sym[i], both.axis(i)) for i in (0, 1)]
-            known, begun = started.sym >= late.begins, ca.fmin(started.sym + 1, late.begins)
-        push = ca.vertcat(*(ca.if_else(known, item, 0) for item in least))
-        tails = late.tails.state if late else ()
-        self.state: tuple[Port, ...] = (old, started, *tails)
-        self.update: ca.SX = ca.vertcat(v, begun, *([late.following(both)] if late else []))
-        values = (flags[0], push, flags[1])
-        self.diagnostics: tuple[Output, ...] = tuple(
-            Output(signal, value) for signal, value in zip(GUARD_DIAGNOSTICS, values, strict=True)
+    def and_more(self, other: GuardMemory) -> GuardMemory:
+        """Both parts, the other one behind this one."""
+        return GuardMemory(
+            (*self.state, *other.state),
+            ca.vertcat(self.update, other.update),
+            (*self.diagnostics, *other.diagnostics),
+            (*self.inputs, *other.inputs),
         )
-        self.inputs: tuple[Port, ...] = ()
 
-    def remember(self, limits: ChangingLimits) -> None:
-        """Add the input, the state and the diagnostic of limits that change."""
-        self.inputs = (limits.told,)
-        self.state = (*self.state, limits.before)
-        self.update = ca.vertcat(self.update, limits.update)
-        self.diagnostics = (*self.diagnostics, *limits.diagnostics)
+
+def monitored(
+    both: Bounds,
+    v: ca.SX,
+    applied: ca.SX,
+    wheels: tuple[ca.SX, ca.SX],
+    flags: tuple[ca.SX, ca.SX],
+    late: LateMotion | None = None,
+) -> GuardMemory:
+    """Monitor ``both`` axes at velocity v (2,), for torques applied [N m], r and l [m].
+
+    ``flags``: clip_active (2,) and feasible, from the guard or its substitute.  ``late``: the
+    torque that was applied does not belong to the velocities.
+    """
+    old, started = port(OLD_VELOCITY), port(SAMPLES if late else STARTED)
+    force = wheel_to_force(*wheels, applied)
+    if late is None:
+        least = [least_push(v[i], old.sym[i], force[i], both.axis(i)) for i in (0, 1)]
+        known, begun = started.sym > 0, ca.SX(1)
+    else:
+        least = [late.least_push(i, v[i], old.sym[i], both.axis(i)) for i in (0, 1)]
+        known, begun = started.sym >= late.begins, ca.fmin(started.sym + 1, late.begins)
+    push = ca.vertcat(*(ca.if_else(known, item, 0) for item in least))
+    tails = late.tails.state if late else ()
+    values = (flags[0], push, flags[1])
+    return GuardMemory(
+        (old, started, *tails),
+        ca.vertcat(v, begun, *([late.following(both)] if late else [])),
+        tuple(Output(*pair) for pair in zip(GUARD_DIAGNOSTICS, values, strict=True)),
+    )
 
 
 class LateMotion:
