@@ -7,7 +7,8 @@ sample; all else is unchanged.  So a motion of constant velocity has one matrix.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -16,11 +17,11 @@ from numpy.typing import NDArray
 from wmr_ctrl.control.laws.registry import LAWS
 from wmr_ctrl.control.loop import Graphs, PlantlessGraphs
 from wmr_ctrl.control.setup import Setup, settle
-from wmr_ctrl.core.signals import DISTURBING, MEASURED, places
+from wmr_ctrl.core.signals import DISTURBING, MEASURED
 from wmr_ctrl.world.effect import Rate
 from wmr_ctrl.world.model.graph import unrounded
 from wmr_ctrl.world.model.kinematics import error_rotation, pose_rate, tracking_error
-from wmr_ctrl.world.model.system import Port, stack, values
+from wmr_ctrl.world.model.system import Port, stack
 from wmr_ctrl.world.scenario import Scenario
 
 Floats = NDArray[np.float64]
@@ -30,65 +31,37 @@ ROBOT, COMMAND, HELD = 5, 2, 4
 """Sizes: tracking error with v1 and omega; a command; what disturbs over a sample."""
 
 
+@dataclass(frozen=True, eq=False)
 class World:
     """A scenario's graphs without law and reference, with random numbers 0 and without rounding.
 
-    ``sensed`` (clock, x, m, p, e, T): measured pose and velocity, disturbances, next slow state,
-    and their gradient by fast state x and slow state m, whose ports have their ``rows`` and
-    ``slow_rows``.  ``step`` (clock, z, theta, u, p, v_d): the fast state z one plant step later;
-    both have the tracking error in place of the pose.  ``slopes``: its gradient by z and by the
-    held inputs u.  ``rates`` and ``rate_slopes``: rates of change of the state and of that
-    gradient, for steps of length 0.
+    ``ports``: parameters; ``fast``, ``slow``: states; ``held``: number of held inputs.
+
+    ``shown`` (clock, x, m, p): measured pose and velocity, disturbances, next slow state.
+    ``sensed`` (clock, x, m, p, e): their gradient by fast state x and slow state m, in error
+    coordinates at e; ``nonlinear`` if it depends on memory other than that of poses and velocities.
+    ``step`` (clock, z, theta, u, p, v_d): the fast state z one plant step later; both have the
+    tracking error in place of the pose.  ``slopes``: its gradient by z and by the held inputs u.
+    ``rates`` and ``rate_slopes``: rates of change of the state and of that gradient, for steps of
+    length 0.
     """
 
-    def __init__(self, setup: Setup) -> None:
-        """Differentiate the graphs."""
-        self.graphs = graphs = PlantlessGraphs(setup)
-        self.held, moved = (
-            graphs.u.sym.numel(),
-            _quiet(graphs.plant_step(), graphs.draws(Rate.STEP)),
-        )
-        self.ports: tuple[Port, ...] = graphs.parameters.ports
-        self.fast, self.slow = graphs.fast, graphs.slow
-        self.size = len(names_of(self.fast))
-        self.rows, self.slow_rows = (
-            places(item.signal for item in part) for part in (self.fast, self.slow)
-        )
-        x, m = (stack(item.sym for item in part) for part in (self.fast, self.slow))
-        self._sense(graphs, x, m)
-        u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
-        z, v_d, theta = ca.SX.sym("z", self.size), ca.SX.sym("v_d", 2), ca.SX.sym("theta")
-        desired, angle = ca.vertcat(0, 0, theta), theta - z[2]
-        pose = desired - error_rotation(angle).T @ z[:3]
-        after = ca.substitute(unrounded(moved, ca.vertcat(x, u)), x, ca.vertcat(pose, z[3:]))
-        desired = carried(desired, v_d, h)
-        step = ca.vertcat(tracking_error(desired, after[:3]), after[3:])
-        slopes = ca.densify(ca.jacobian(step, ca.vertcat(z, u)))
-        given = [graphs.step.clock.sym, z, theta, u, p, v_d]
-        self.step = ca.Function("step", given, [ca.densify(step)])
-        self.slopes = ca.Function("slopes", given, [slopes])
-        self.rates = ca.Function("rates", given, [ca.densify(_slope(step, h))])
-        self.rate_slopes = ca.Function("rate_slopes", given, [ca.densify(_slope(slopes, h))])
+    ports: tuple[Port, ...]
+    fast: tuple[Port, ...]
+    slow: tuple[Port, ...]
+    held: int
+    shown: ca.Function
+    sensed: ca.Function
+    nonlinear: bool
+    step: ca.Function
+    slopes: ca.Function
+    rates: ca.Function
+    rate_slopes: ca.Function
 
-    def _sense(self, graphs: Graphs, x: ca.SX, m: ca.SX) -> None:
-        shown = ca.vertcat(graphs.sample.column((*MEASURED, *DISTURBING)), *graphs.sample.following)
-        shown = unrounded(_quiet(shown, graphs.draws(Rate.SAMPLE)), every := ca.vertcat(x, m))
-        e, T = ca.SX.sym("e", 3), graphs.parameters.take("clock.control")
-        slopes, level = ca.jacobian(shown, every), ca.SX.zeros(3)
-        own = _pose_slope(e, x[2])
-        now, later = (_pose_slope(level, theta) for theta in (x[2], x[2] + T * x[4]))
-        before, after = [ca.inv(own), ca.SX.eye(self.size - 3)], [own, ca.SX.eye(ROBOT + HELD - 3)]
-        for item in self.slow:
-            other = ca.SX.eye(item.signal.size)
-            before.append(ca.inv(now) if item.signal.unit == POSE else other)
-            after.append(later if item.signal.unit == POSE else other)
-        slopes = ca.diagcat(*after) @ slopes @ ca.diagcat(*before)
-        given = [graphs.sample.clock.sym, x, m, graphs.p]
-        self.shown = ca.Function("shown", given, [ca.densify(shown)])
-        self.sensed = ca.Function("sensed", [*given, e], [ca.densify(slopes)])
-        self.start, units = np.array(values(self.slow)), (POSE, SPEED)
-        others = stack(item.sym for item in self.slow if item.signal.unit not in units)
-        self.nonlinear = bool(others.numel()) and ca.depends_on(slopes, others)
+    @cached_property
+    def size(self) -> int:
+        """Size of the fast state."""
+        return len(self.names)
 
     @property
     def names(self) -> list[str]:
@@ -104,6 +77,51 @@ class World:
         """Index of a parameter's number among all numbers."""
         names = [item.signal.name for item in self.ports for _ in item.value]
         return names.index(name)
+
+
+def _world(setup: Setup) -> World:
+    """Differentiate the graphs of a setup."""
+    graphs = PlantlessGraphs(setup)
+    moved = _quiet(graphs.plant_step(), graphs.draws(Rate.STEP))
+    x, m = (stack(item.sym for item in part) for part in (graphs.fast, graphs.slow))
+    shown, sensed, nonlinear = _sense(graphs, x, m)
+    u, p, h = graphs.u.sym, graphs.p, graphs.parameters.take("clock.plant")
+    z, v_d, theta = ca.SX.sym("z", x.numel()), ca.SX.sym("v_d", 2), ca.SX.sym("theta")
+    desired, angle = ca.vertcat(0, 0, theta), theta - z[2]
+    pose = desired - error_rotation(angle).T @ z[:3]
+    after = ca.substitute(unrounded(moved, ca.vertcat(x, u)), x, ca.vertcat(pose, z[3:]))
+    desired = carried(desired, v_d, h)
+    step = ca.vertcat(tracking_error(desired, after[:3]), after[3:])
+    slopes = ca.densify(ca.jacobian(step, ca.vertcat(z, u)))
+    given = [graphs.step.clock.sym, z, theta, u, p, v_d]
+    return World(
+        graphs.parameters.ports, graphs.fast, graphs.slow, u.numel(), shown, sensed, nonlinear,
+        step=ca.Function("step", given, [ca.densify(step)]),
+        slopes=ca.Function("slopes", given, [slopes]),
+        rates=ca.Function("rates", given, [ca.densify(_slope(step, h))]),
+        rate_slopes=ca.Function("rate_slopes", given, [ca.densify(_slope(slopes, h))]),
+    )  # fmt: skip
+
+
+def _sense(graphs: Graphs, x: ca.SX, m: ca.SX) -> tuple[ca.Function, ca.Function, bool]:
+    """What a sample reads of the states x and m, its gradient, and whether that is nonlinear."""
+    shown = ca.vertcat(graphs.sample.column((*MEASURED, *DISTURBING)), *graphs.sample.following)
+    shown = unrounded(_quiet(shown, graphs.draws(Rate.SAMPLE)), every := ca.vertcat(x, m))
+    e, T = ca.SX.sym("e", 3), graphs.parameters.take("clock.control")
+    slopes, level = ca.jacobian(shown, every), ca.SX.zeros(3)
+    own = _pose_slope(e, x[2])
+    now, later = (_pose_slope(level, theta) for theta in (x[2], x[2] + T * x[4]))
+    before, after = [ca.inv(own), ca.SX.eye(x.numel() - 3)], [own, ca.SX.eye(ROBOT + HELD - 3)]
+    for item in graphs.slow:
+        other = ca.SX.eye(item.signal.size)
+        before.append(ca.inv(now) if item.signal.unit == POSE else other)
+        after.append(later if item.signal.unit == POSE else other)
+    slopes = ca.diagcat(*after) @ slopes @ ca.diagcat(*before)
+    given = [graphs.sample.clock.sym, x, m, graphs.p]
+    others = stack(item.sym for item in graphs.slow if item.signal.unit not in (POSE, SPEED))
+    nonlinear = bool(others.numel()) and ca.depends_on(slopes, others)
+    sensed = ca.Function("sensed", [*given, e], [ca.densify(slopes)])
+    return ca.Function("shown", given, [ca.densify(shown)]), sensed, nonlinear
 
 
 def carried(pose: ca.SX, v: ca.SX, h: ca.SX) -> ca.SX:
@@ -140,4 +158,4 @@ def names_of(ports: tuple[Port, ...]) -> list[str]:
 @lru_cache(maxsize=256)
 def world_of(scenario: Scenario) -> World:
     """The World of a scenario, built once."""
-    return World(settle(scenario, next(iter(LAWS))))
+    return _world(settle(scenario, next(iter(LAWS))))

@@ -16,8 +16,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from wmr_ctrl.core.signals import PATH, SKID, TORQUE
+from wmr_ctrl.core.signals import PATH, SKID, TORQUE, places
 from wmr_ctrl.world.model.evaluate import evaluated
+from wmr_ctrl.world.model.system import values
 
 from .error_coordinates import (
     COMMAND,
@@ -145,11 +146,11 @@ class Assembly:
         theta = self.motion.theta - omega * back
         known = {"x": v * back * math.sin(theta), "y": -v * back * math.cos(theta), "theta": theta,
                  "v1": v, "omega": omega, PATH.name: -v * back}  # fmt: skip
-        state = np.zeros(world.size)
+        state, rows = np.zeros(world.size), places(item.signal for item in world.fast)
         for item in world.fast:
             name, unit, size = item.signal.name, item.signal.unit, item.signal.size
             torque = unit == TORQUE[0].unit and size == COMMAND
-            state[world.rows[name]] = self.torque if torque else known.get(name, item.value)
+            state[rows[name]] = self.torque if torque else known.get(name, item.value)
         return state
 
     def _step(self, graph: ca.Function, step: float) -> Floats:
@@ -209,7 +210,8 @@ class Assembly:
         return np.block([[seen, np.hstack(sides)], [after, memory]])
 
     def _of(self, world: World, sample: int) -> Floats:
-        T, numbers, memory = self.period, self.numbers(world, self.step), world.start.copy()
+        T, numbers = self.period, self.numbers(world, self.step)
+        memory, rows = np.array(values(world.slow)), places(item.signal for item in world.slow)
         for k, back in ((0, 2 * T), (1, T)) if world.nonlinear else ():
             (shown,) = evaluated(world.shown, k, self._fast(back), memory, numbers)
             memory = shown.ravel()[ROBOT + HELD :]
@@ -217,7 +219,7 @@ class Assembly:
         for item in world.slow:
             value = natural.get(item.signal.unit)
             if value is not None and len(value) == item.signal.size:
-                memory[world.slow_rows[item.signal.name]] = value
+                memory[rows[item.signal.name]] = value
         given = (sample, self._fast(0.0), memory, numbers, self.motion.e)
         return evaluated(world.sensed, *given)[0]
 
