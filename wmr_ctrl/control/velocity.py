@@ -80,12 +80,12 @@ class SentVelocity:
         self.applied = own.get(signals.TAU_APPLIED)
         kind = setup.scenario.filter.kind
         self.filter = None if kind == "none" else filter_system(setup.scenario)
-        read = self.filter.inputs if self.filter and VELOCITY_LOSS in setup.effects else ()
-        dated = signals.ODOMETRY_AGE in (item.signal for item in read)
+        inputs = self.filter.inputs if self.filter else ()
+        read = {item.signal for item in inputs}
+        dated = VELOCITY_LOSS in setup.effects and signals.ODOMETRY_AGE in read
         self.age = (port(signals.ODOMETRY_AGE),) if dated else ()
-        own_inputs = self.filter.inputs if self.filter else ()
-        self.told = tuple(item for item in own_inputs if item.signal in TOLD)
-        self.narrow = (port(FREE_NARROW),) if FREE in {item.signal for item in self.told} else ()
+        self.told = tuple(item for item in inputs if item.signal in TOLD)
+        self.narrow = (port(FREE_NARROW),) if FREE in read else ()
 
     @cached_property
     def F1(self) -> ca.SX:

@@ -51,14 +51,14 @@ class CompiledLaw:
         self.parameters: Floats = np.array(law.values, dtype=float)
         self.torque: Floats = np.zeros(2)
         self.x: Floats = self._start.copy()
-        self._arrays = (self.u, self.parameters, self.x, self.torque)
-        self._pointers = Call(*(item.ctypes.data for item in self._arrays), LARGEST)
+        arrays = self.u, self.parameters, self.x, self.torque
+        pointers = Call(*(item.ctypes.data for item in arrays), LARGEST)
         opened(loop.library)  # says what is wrong with a library that cannot be loaded
         # A step is shorter than letting go of Python's lock; and the function takes its one
         # argument as it is, since conversion would cost as much as the call.
         self._call = ct.PyDLL(loop.library)["wmr_law_step"]
         self._call.restype = ct.c_int32
-        self._pointer = ct.byref(self._pointers)
+        self._pointer = ct.byref(pointers)  # it keeps them
 
     def __setattr__(self, name: str, value: object) -> None:
         """Write into the arrays in place, as compiled code has their addresses.
