@@ -80,7 +80,7 @@ def test_cells_have_the_widest_of_their_corridors(monkeypatch):
 
 
 def test_runs_of_cells_have_the_widest_of_their_courses(monkeypatch):
-    runs = np.array([[[1, 5, 2, 2], [0, 1, 0, 0]], [[3, 1, 1, 4], [0, 0, 2, 0]],
+    runs = np.array([[[1, 5, 0, 2], [0, 1, 0, 0]], [[3, 1, 1, 4], [0, 0, 2, 0]],
                      [[2, 2, 2, 1], [3, 0, 0, 0]]])  # fmt: skip
     limits = SimpleNamespace(conditions=[SimpleNamespace(name=name) for name in "abcd"])
     results = [(SimpleNamespace(loop=limits), RunBounds(
