@@ -38,7 +38,7 @@ PROBES = (
                   "clock.control = 0.02; clock.duration = 1.0")),
 )  # fmt: skip
 NO_BOUND = {
-    "along.py": """memory batch young spacings count_from brief chunks is_slow matrices __init__
+    "along.py": """memory batch young spacings count_from brief chunks is_slow matrices knots
                    typical pairs ratios steady_until distance off turned""",
     "carried.py": "_absolute", "certificate.py": "position",
     "stretch.py": "forgets", "remainders.py": "_too_wide", "instant.py": "going_on",
