@@ -14,7 +14,7 @@ from typing import TypeAlias
 from casadi import SX, expm1, fmax, fmin, if_else, logic_or
 
 from wmr_ctrl.control.filter import governor
-from wmr_ctrl.control.filter.channels import WAYS, Channel
+from wmr_ctrl.control.filter.channels import TINY, WAYS, Channel, two_sided
 from wmr_ctrl.control.filter.governor import NEAR, FirstOrder, drive, drive_back, largest_command
 from wmr_ctrl.control.filter.governor_step import Governor
 from wmr_ctrl.world.scenario import load_scenario
@@ -29,7 +29,6 @@ from wmr_proofs.statement import (
     between,
     instance,
     listed,
-    nonnegative,
     positive,
     symbols,
     valued,
@@ -218,11 +217,25 @@ One factor beside limits of wheels is in filter.rounding.beside.
 """
 BY_SIDE: Keys = {"limits.v_min": (-0.5, -1.0), "limits.v_max": (1.0, 1.5)}
 """A limit of each direction, every one a symbol of its own."""
+LATE: dict[str, Keys] = {
+    "late": {"filter.delay": (0.0, 0.013), "filter.losses": 1, "filter.jitter": 0.002,
+             "filter.age": 0.02, "filter.hold": 0.05},
+}  # fmt: skip
+"""Commands and samples that come at other times."""
+SEEN: dict[str, Keys] = {"": {}, " without odometry": {"filter.odometry": None}}
+LIMITS = SEEN | {" by direction": BY_SIDE}
+"""One limit for both directions of an axis, with odometry or none, or a limit for each."""
 SIDES = {
-    f"{name}-{way}": {"side": side, "axis": axis}
+    f"{name}-{way}{told}": {"side": side, "axis": axis, "told": limits}
+    for told, limits in LIMITS.items()
     for axis, name in enumerate(("linear", "angular"))
     for side, way in enumerate(("forwards", "backwards"))
 }
+
+
+def limited(b: FirstOrder, told: Keys) -> Relations:
+    """What a governor requires of limits that are ``told`` by direction, or of one for both."""
+    return (admits if told == BY_SIDE else sound)(b)
 
 
 class AssembledStep(Named):
@@ -232,14 +245,15 @@ class AssembledStep(Named):
     admits; ``slow``: 0 < tau_min <= tau_max.
     """
 
-    def __init__(self, side: int, axis: int) -> None:
+    def __init__(self, side: int, axis: int, told: Keys) -> None:
         """Read the graph of the step."""
-        self.graph = Governor(load_scenario("paper-simulation", STATED | BY_SIDE))
-        self.side, self.axis, self.way = side, axis, WAYS[side]
+        self.graph = Governor(load_scenario("paper-simulation", STATED | told))
+        self.told, self.side, self.axis, self.way = told, side, axis, WAYS[side]
         self.free = symbols("v u E mean share kappa gone")
         self.symbols = self.free | elements_of(*ports_of(self.graph.system))
         self.limit = self.graph.limits[side][axis]
-        self.bounds = self.graph.channels[axis].sides[side]
+        self.channel = two_sided(self.graph.channels)[axis]
+        self.bounds = self.channel.sides[side]
         T, (low, high) = self.graph.T, self.graph.motions[side][axis].tau
         self.slow = low > 0, high >= low
         self.cuts = {"1/(exp(T/tau_min) - 1)": 1 / expm1(T / low)}
@@ -253,39 +267,39 @@ class AssembledStep(Named):
         """
         graph, axis, f = self.graph, self.axis, self.free
         b, v, y = self.bounds, f.v, graph.odometry.sym[axis]
-        ahead, back = (own.V for own in graph.channels[axis].sides)
+        ahead, back = (own.V for own in self.channel.sides)
         kappa, most, least = self.cuts.values()
         up, down = (known.sym[axis] for known in graph.known)
         error = mutation(1, 1.01) * b.nbar
         elapsed = graph.elapsed.sym
         timely = logic_or(elapsed == 0, abs(elapsed - graph.T) <= NEAR * graph.T)
         return (
-            ahead >= b.dbar, back >= b.dbar, b.dbar >= 0, ahead >= v,
-            back >= -v,
-            b.nbar >= 0, b.K_min > 0, b.K_max >= b.K_min, f.kappa == kappa,
+            [limited(own, self.told) for own in self.channel.sides], ahead >= v, back >= -v,
+            b.nbar >= 0, f.kappa == kappa,
             f.gone == most, f.kappa > 0, -f.kappa * f.gone == 1 + f.gone,
             -least > 0, least >= most, 1 + most > 0,
             when(timely, (up >= v, down >= -v)),
-            when(graph.age.sym >= -NEAR * graph.T, (error >= y - v, error >= v - y)),
+            when(graph.seen, (error >= y - v, error >= v - y)),
             between(1 + most, f.E, 1), graph.T > 0, target >= f.mean,
         )  # fmt: skip
 
 
-@claim("filter.limits")
-def limits(mutation: Mutation) -> Statement:
+@claim("filter.limits", each={name or "one": {"told": told} for name, told in LIMITS.items()})
+def limits(mutation: Mutation, told: Keys) -> Statement:
     """the largest command that the whole filter admits is at least 0, on either axis, either way,
     and above 0 where dbar < V.
 
     Stopping is always allowed, and so is driving if a push leaves room for it.
 
-    Given: 0 < K_min <= K_max, 0 <= dbar <= V each way, 0 < tau_min <= tau_max of each axis, T > 0;
-    V {LESS}; any odometry of the sample, any time since the last one; v and omega limited, either
-    way apart; no delay, jitter or losses, H = T.
+    Given: 0 < K_min <= K_max, 0 <= dbar <= V each way, V {LESS}; or dbar < V, one limit for both
+    ways less 2^-26 of it; 0 < tau_min <= tau_max of each axis, T > 0; any odometry of the sample or
+    none, any time since the last one; v and omega limited; no delay, jitter or losses, H = T;
+    {PLAIN}.
     """
     cuts = Cuts()
-    graph = Governor(load_scenario("paper-simulation", STATED | BY_SIDE))
+    graph = Governor(load_scenario("paper-simulation", STATED | told))
     goals, given = Group(), Group()
-    for axis, channel in enumerate(graph.channels):
+    for axis, channel in enumerate(two_sided(graph.channels)):
         (low, high), name = graph.motions[0][axis].tau, ("linear", "angular")[axis]
         growth = expm1(graph.T / low)
         kappa = 1 / growth
@@ -293,7 +307,7 @@ def limits(mutation: Mutation) -> Statement:
         cuts[f"-least {name}"] = expm1(-graph.T / high)
         given += [positive(low, high, growth, kappa)]
         for side, b in zip(graph.limits, channel.sides, strict=True):
-            given.append(admits(b))
+            given.append(limited(b, told))
             goals.append(side[axis] >= mutation(0, b.V))
             goals.append(if_else(b.dbar < b.V, side[axis], 1) > 0)
     return Statement(elements_of(*ports_of(graph.system)), goals, given, cuts)
@@ -308,37 +322,41 @@ def arms(channels: list[Channel]) -> Relations:
     "filter.sent",
     premises="filter.limits",
     each={
-        f"{name}{told}": {"limits": limits, **shape}
-        for told, limits in (("", {}), (" by direction", BY_SIDE))
+        f"{name}{key}": {"told": told, **shape}
+        for key, told in (("", {}), (" by direction", BY_SIDE))
         for name, shape in SHAPES.items()
-        if not limits or name.startswith("axes")
-    },
+    }
+    | {name: {"told": {}, "more": more} for name, more in (LATE | SEEN).items() if name},
 )
-def sent(mutation: Mutation, more: Keys, limits: Keys) -> Statement:
+def sent(mutation: Mutation, more: Keys, told: Keys) -> Statement:
     """|w| is at most the step's limit, either way, w each limited speed of the command that the
     whole governor sends, for any request on both axes: v and omega, both wheels, or all of
     these, in each way to scale but one factor beside wheels.
 
     Nothing bypasses the filter, whichever speeds it limits and however it scales.
 
-    Given: {COMMANDS}, any odometry, any time since the last sample; l > 0; the limits above 0, one
-    for both directions, or, of v and omega alone, one of each direction, at least 0
-    (filter.limits).
+    Given: {COMMANDS}, any odometry or none, any time since the last sample; l > 0; the limits above
+    0 (filter.limits) or, if v and omega have one of each direction, theirs at least 0 and those of
+    wheels above 0, at least 1e-30 with one factor; odometry of the sample and no other times than a
+    period, or, of v and omega with one factor and one limit for both directions, delay, age,
+    losses, jitter and hold; {PLAIN}.
     """
-    graph = Governor(load_scenario("paper-simulation", STATED | limits | more))
-    least, given = (nonnegative, []) if limits else (positive, [arms(graph.channels)])
+    graph = Governor(load_scenario("paper-simulation", STATED | told | more))
+    given: list[Relations] = [arms(graph.channels)]
     cuts, goals = {"numbers are sound": graph.sound}, Group()
     for side, way in enumerate(WAYS):
         for i, (channel, limit) in enumerate(zip(graph.channels, graph.limits[side], strict=True)):
             cuts[f"limit {side} {i}"] = limit
-            given.append(least(limit))
+            by_side = told == BY_SIDE, all(channel.ways)
+            given.append(limit >= 0 if by_side == (True, False) else limit > 0)
+            given += [limit >= TINY] * all((*by_side, "curvature" in more.values()))
             most = mutation(1, 0.99) * limit
             goals += [most >= way * channel.of(command) for command in (graph.sent, graph.safe)]
     return Statement(elements_of(*ports_of(graph.system)), goals, given, cuts)
 
 
 @claim("filter.assembled", premises="filter.sent", each=SIDES)
-def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
+def assembled(mutation: Mutation, side: int, axis: int, told: Keys) -> Statement:
     """on each axis, forwards and backwards: E v + (1 - E) mean <= V under every command u that the
     whole filter admits.
 
@@ -347,7 +365,7 @@ def assembled(mutation: Mutation, side: int, axis: int) -> Statement:
     Given: {ASSEMBLED}; u at most the step's limit (filter.sent), mean <= drive(u); exp(-T/tau_min)
     <= E <= 1.
     """
-    step = AssembledStep(side, axis)
+    step = AssembledStep(side, axis, told)
     u, E = step.free.u, step.free.E
     given = step.given(mutation, drive(u, step.bounds)), step.limit >= u
     end = E * step.way * step.free.v + (1 - E) * step.free.mean
@@ -372,7 +390,7 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
     )
     known = {
         "clock.control.1": 1, "limits.v_max.1": 1, "limits.v_max.2": 1, "limits.v_min.1": -1,
-        "limits.v_min.2": -1, "filter.odometry.1": "1/10",
+        "limits.v_min.2": -1, "limits.v_u1.1": 1, "limits.v_u1.2": 1, "filter.odometry.1": "1/10",
         "filter.odometry.2": "1/10", "filter.d.1": "1/8", "filter.d.2": "1/8",
         **dict.fromkeys((f"filter.{key}.{i}" for key in ("tau", "gain") for i in range(1, 5)), 1),
         f"v_asked.{other}": 0,
@@ -395,10 +413,12 @@ def tight(side: int, axis: int) -> tuple[dict[str, Fraction], ...]:
 @claim(
     "filter.carried",
     premises="filter.sent filter.drive",
-    by=Z3(points=[point for sides in SIDES.values() for point in tight(**sides)]),
+    by=Z3(
+        points=[point for side, axis in product(range(2), repeat=2) for point in tight(side, axis)]
+    ),
     each=SIDES,
 )
-def carried(mutation: Mutation, side: int, axis: int) -> Statement:
+def carried(mutation: Mutation, side: int, axis: int, told: Keys) -> Statement:
     """on each axis, forwards and backwards: v + share (mean - v) <= the whole filter's next stored
     bound, for 1 - exp(-T/tau_max) <= share <= 1 - exp(-T/tau_min).
 
@@ -406,7 +426,7 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
 
     Given: {ASSEMBLED}; u, what is sent, at most the step's limit (filter.sent), mean <= drive(u).
     """
-    step = AssembledStep(side, axis)
+    step = AssembledStep(side, axis, told)
     v, share, (_, most, least) = step.way * step.free.v, step.free.share, step.cuts.values()
     sent, b = step.way * step.graph.safe[axis], step.bounds
     target = (drive, drive_back)[side](step.graph.safe[axis], b)
@@ -423,7 +443,7 @@ def carried(mutation: Mutation, side: int, axis: int) -> Statement:
     premises="filter.drive filter.limits filter.sent filter.assembled filter.carried",
     each=SIDES,
 )
-def induced(mutation: Mutation, side: int, axis: int) -> Statement:
+def induced(mutation: Mutation, side: int, axis: int, told: Keys) -> Statement:
     """I at a sample implies I at the next one, for any request: on each axis, forwards and
     backwards, E v + (1 - E) mean <= V until then, and at that time it is at most the filter's next
     stored bound.
@@ -434,15 +454,15 @@ def induced(mutation: Mutation, side: int, axis: int) -> Statement:
     Given: I: {ASSEMBLED}; mean <= drive(u), u what is sent; exp(-T/tau_min) <= E <= 1, and E <=
     exp(-T/tau_max) at the next sample.
     """
-    step = AssembledStep(side, axis)
+    step = AssembledStep(side, axis, told)
     free, graph, share, least = step.free, step.graph, 1 - step.free.E, step.cuts["-least"]
     safe, kept = graph.safe[axis], graph.following[side][axis]
     values = {"u": step.way * safe, "share": share}
-    taken, known = [], limits(CLAIMED)
-    told, k = sent(CLAIMED, {}, BY_SIDE), 4 * side + 2 * axis
+    taken, known = [], limits(CLAIMED, told)
+    allowed, k = sent(CLAIMED, {}, told), 4 * side + 2 * axis
     for part in (
-        replace(told, goals=listed(told.goals)[k : k + 2]),
-        *(item(CLAIMED, side, axis) for item in (assembled, carried)),
+        replace(allowed, goals=listed(allowed.goals)[k : k + 2]),
+        *(item(CLAIMED, side, axis, told) for item in (assembled, carried)),
         known,
     ):
         own = {name: step.symbols[name] for name in part.symbols if name in step.symbols}

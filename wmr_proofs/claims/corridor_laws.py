@@ -144,15 +144,17 @@ def product(mutation: Mutation) -> Statement:
 
 
 SCALES = {
-    f"{on}-{scale}": {"on": on, "scale": scale}
-    for on in ("both", "wheels", "body")
-    for scale in ("curvature", "turn", "drive")
-} | {"axes": {"on": "body", "scale": "axes"}}
-"""How a filter brings a command within its limits, and the speeds that it limits."""
+    f"{on}-{scale}{' by direction' * (told > 1)}": {"on": on, "scale": scale, "told": told}
+    for told in (1, 2)
+    for on, scales in (("both", ""), ("wheels", ""), ("body", "axes"))
+    for scale in ("curvature", "turn", "drive", *scales.split())
+}
+"""How a filter brings a command within its limits, the speeds that it limits, and limits of each.
+"""
 
 
 @claim("corridor.filter", each=SCALES)
-def passes(mutation: Mutation, on: str, scale: str) -> Statement:
+def passes(mutation: Mutation, on: str, scale: str, told: int) -> Statement:
     """A command whose limited speeds are all within their limits, also those of its first axis
     alone if one axis goes first, is sent unchanged.  This holds if the filter limits v and omega,
     the wheels, or all of these; for one factor, turning first or driving first; and for a factor of
@@ -161,9 +163,10 @@ def passes(mutation: Mutation, on: str, scale: str) -> Statement:
     Under this condition the base receives the law's command. The first axis alone matters only if
     wheels have other limits backwards than forwards.
 
-    Given: l > 0; limits lo < 0 < hi of each speed.
+    Given: l > 0; limits lo < 0 < hi of each speed, lo <= 0 <= hi where both directions have limits
+    of their own.
     """
-    a = Limited(on)
+    a = Limited(on, told)
     asked, *_ = a.asked
     first = {"turn": [SX(0), asked[1]], "drive": [asked[0], SX(0)]}.get(scale, asked)
     inside = [a.kept(command, mutation(0, 1), axes) for command in (asked, first)

@@ -39,7 +39,7 @@ from .common import PRESET, named_ports, ports_of, scalars
 PERIOD = 0.01
 
 
-def setup(kind: str, delay: int, **more: float) -> Setup:
+def setup(kind: str, delay: int, **more: object) -> Setup:
     """A loop with this map onto the wheels, behind a delay of so many periods."""
     stated: dict[str, object] = {
         "guard.enabled": True, "guard.map": kind, "clock.control": PERIOD,
@@ -77,7 +77,8 @@ class Assembled(Named):
     def axes(self) -> tuple[tuple[SX, Bounds, InFlight | None], ...]:
         """Measured velocity, bounds and commands in transit of each axis.
 
-        u1 is v_u1 less (1 + n) 2^-44 of it, n the commands and the periods of the lag.
+        u1 is a limit less (1 + n) 2^-44 of the larger of both directions', n the commands and the
+        periods of the lag.
         """
         names = ("M_min", "M_max", "dbar", "nbar", "brake", "f_min", "f_speed")
         p, T, late = self.p, self.p["clock.control"], self.counted
@@ -88,10 +89,18 @@ class Assembled(Named):
         found: list[tuple[SX, Bounds, InFlight | None]] = []
         for axis, y in enumerate((p["v1"], p["omega"])):
             numbers = {name: p[f"guard.{name}"][axis] for name in names}
-            u1 = p["limits.v_u1"][axis] * (1 - kept)
-            b = Bounds(u1=u1, period=T, alpha=p["guard.alpha"], **numbers, **lasting)
+            u1, back = self._limits(axis, kept)
+            b = Bounds(u1=u1, back=back, period=T, alpha=p["guard.alpha"], **numbers, **lasting)
             found.append((y, b, sums(axis, b) if late.commands or late.lag else None))
         return tuple(found)
+
+    def _limits(self, axis: int, kept: float) -> tuple[SX, SX | None]:
+        """Limit forwards and backwards, None if one is for both, less a share of the larger one."""
+        if "limits.v_max" not in self.p:
+            return self.p["limits.v_u1"][axis] * (1 - kept), None
+        ahead, back = self.p["limits.v_max"][axis], -self.p["limits.v_min"][axis]
+        less = kept * fmax(ahead, back)
+        return ahead - less, back - less
 
     def _summed(self, axis: int, b: Bounds) -> InFlight:
         late = self.counted

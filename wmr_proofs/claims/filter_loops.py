@@ -114,14 +114,17 @@ def swings(mutation: Mutation) -> Statement:
     return s.states(s.P * a + s.Q * b <= s.U, given=given, cuts=s.cuts)
 
 
-COUNTING: dict[str, object] = {
-    **STATED, "filter.delay": ((0.0, 0.03), (0.0, 0.13)), "clock.control": 0.05,
+COUNTING: dict[str, Keys] = {
+    "delay": {"filter.delay": ((0.0, 0.03), (0.0, 0.13))},
+    "losses": {"filter.losses": 2},
+    "late": {"filter.delay": (0.0, 0.03), "filter.losses": 1, "filter.jitter": 0.01,
+             "filter.age": 0.08, "filter.hold": 0.2},
 }  # fmt: skip
-"""A governor whose commands may act for several periods, on one axis for longer."""
+"""Times of a governor whose commands may act for several periods, in one on an axis for longer."""
 
 
-@claim("filter.in-time")
-def in_time(mutation: Mutation) -> Statement:
+@claim("filter.in-time", each={name: {"more": more} for name, more in COUNTING.items()})
+def in_time(mutation: Mutation, more: Keys) -> Statement:
     """the count is also right after the next sample, and the governor takes all commands that may
     act for punctual exactly if the count equals their number.
 
@@ -130,7 +133,7 @@ def in_time(mutation: Mutation) -> Statement:
     Given: the filter's count is the number of samples that came in time since one that did not, at
     most that of the commands that may act on either axis; the next sample comes in time or not.
     """
-    graph = Governor(load_scenario("paper-simulation", COUNTING))
+    graph = Governor(load_scenario("paper-simulation", STATED | {"clock.control": 0.05} | more))
     (count,) = list(graph.counted)
     most, came = graph.oldest, graph.came
     named = elements_of(graph.elapsed, count, *graph.p.ports) | symbols("since")
@@ -161,9 +164,9 @@ def least(mutation: Mutation) -> Statement:
     If the limit admits b, each command that is sent has an effect, and small ones equal the request
     on average; all are as safe as other commands.
 
-    Given: {COMMANDS}; the limit (V - dbar)/K_max, V less 2^-26 of it, and b, `base.deadband` and
-    2^-26 of it, above 0; the unsent sum of earlier commands within b, their sign 1, -1 or 0; v and
-    omega each by its own factor, no dead band of the wheels.
+    Given: {COMMANDS}; the limit (V - dbar)/K_max, V less 2^-26 of it, one for both directions, and
+    b, `base.deadband` and 2^-26 of it, above 0; the unsent sum of earlier commands within b, their
+    sign 1, -1 or 0; v and omega each by its own factor, no dead band of the wheels; {PLAIN}.
     """
     clip = Clip(stated := load_scenario("paper-simulation", SMALL))
     graph = for_base(clip.system, stated)

@@ -320,7 +320,7 @@ def command(mutation: Mutation) -> Statement:
     A computed command satisfies its line, except for rounding.
 
     Given: 0 < K_max, s; 0 <= r, d, speed, way; way, r max(speed, d) <= F; |room| <= 4 F, all as
-    computed; 0 <= u <= hi; operations rounded by at most 2^-53.
+    computed; 0 <= u <= hi = ((room - way - r max(speed, d))/s - d)/K_max as computed; {ROUNDED}.
     """
     t, none = symbols("F K push room s r way speed u hi"), SX(0)
     F, K, push, room, s, r, way, speed, u, hi = t.values()
@@ -341,7 +341,8 @@ def ramp(mutation: Mutation) -> Statement:
 
     A base that slows down by A stops within its room, except for rounding of the command.
 
-    Given: 0 < K, A, h; 0 <= room; 0 <= u <= hi; operations rounded by at most 2^-53.
+    Given: 0 < K, A, h; 0 <= room; 0 <= u <= hi = stopping_speed(room)/K as computed, where
+    stopping_speed(room) = 2 room/(h + sqrt(h^2 + 2 room/A)); {ROUNDED}.
     """
     t = symbols("K A h room u hi")
     K, A, h, room, u, hi = t.values()
@@ -370,15 +371,16 @@ class Limited(Named):
     channels, ``asked`` is that command with channels and ends.
     """
 
-    def __init__(self, on: str) -> None:
+    def __init__(self, on: str, told: int = 1) -> None:
+        """``told``: limits of each speed, 1 for both directions or 2; these may be 0."""
         arm, ones = SX.sym("p.l"), FirstOrder(*[SX(1)] * 6)
-        axes = [Channel((1 - i, i), SX(1), (ones,), (1.0, 1.0)) for i in AXES]
-        sides = [Channel((1, way), arm, (ones,), (1.0, 1.0)) for way in SIDES]
+        axes = [Channel((1 - i, i), SX(1), (ones,) * told, (1.0, 1.0)) for i in AXES]
+        sides = [Channel((1, way), arm, (ones,) * told, (1.0, 1.0)) for way in SIDES]
         self.channels = {"body": axes, "wheels": sides, "both": [*axes, *sides]}[on]
-        numbers = range(1, len(self.channels) + 1)
-        limits = " ".join(f"hi{i} lo{i}" for i in numbers)
+        places = range(1, len(self.channels) + 1)
+        limits = " ".join(f"hi{i} lo{i}" for i in places)
         self.symbols = s = {"l": arm} | symbols(f"r0 r1 M v omega {limits}")
-        self.ends = [s[f"lo{i}"] for i in numbers], [s[f"hi{i}"] for i in numbers]
+        self.ends = [s[f"lo{i}"] for i in places], [s[f"hi{i}"] for i in places]
         self.sent = [s.v, s.omega]
         self.asked = [s.r0, s.r1], self.channels, *self.ends
 
@@ -388,7 +390,7 @@ class Limited(Named):
         given = [self.l > 0]
         for channel, low, high in zip(self.channels, *self.ends, strict=True):
             for size in (high, -low):
-                given.append(size > 0)
+                given.append(size > 0 if len(channel.sides) < 2 else size >= 0)
                 given += [] if self.is_axis(channel) else [size <= self.M]
         return tuple(given)
 

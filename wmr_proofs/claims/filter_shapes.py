@@ -27,7 +27,7 @@ from wmr_proofs.statement import (
     within,
 )
 
-from .command_filter import BESIDE, SHAPES, STATED, WHEELED, Keys, arms, sound
+from .command_filter import BESIDE, SEEN, SHAPES, STATED, WHEELED, Keys, arms, sound
 from .common import elements_of, ports_of
 from .filter_loops import LINEAR, SLOW
 
@@ -67,7 +67,7 @@ def sent_clip(mutation: Mutation, more: Keys) -> Statement:
     well.
 
     Given: {COMMANDS}; l > 0; one limit for both directions; (V - dbar)/K_max > 0 of each speed, V
-    less 2^-26 of it, N and delta in the places of K_max and dbar where loops are linear.
+    less 2^-26 of it, N and delta in the places of K_max and dbar where loops are linear; {PLAIN}.
     """
     clip, goals = _clip(more), Group()
     cuts = {"numbers are sound": clip.sound}
@@ -87,8 +87,9 @@ def clip_step(mutation: Mutation, more: Keys) -> Statement:
     A step of the induction over samples (filter.mean). The memoryless clip (V - dbar)/K_max keeps
     the limit without odometry and time constants.
 
-    Given: {COMMANDS}; l > 0, 0 < K_min <= K_max, 0 <= dbar < V of each speed, V less 2^-26 of it;
-    -drive_back(u) <= mean <= drive(u), u the speed that is sent (filter.drive); 0 <= E <= 1.
+    Given: {COMMANDS}; l > 0, 0 < K_min <= K_max, 0 <= dbar < V of each speed, V less 2^-26 of it,
+    one for both directions; -drive_back(u) <= mean <= drive(u), u the speed that is sent
+    (filter.drive); 0 <= E <= 1; {PLAIN}.
     """
     clip = _clip(CLIPPED | more)
     table, goals = elements_of(clip.asked, *clip.p.ports), Group()
@@ -112,8 +113,9 @@ def slew_together(mutation: Mutation, scale: str) -> Statement:
 
     Commands stay within their limit and change no faster than stated, for any request.
 
-    Given: {COMMANDS}, at any time; {GONE}; v and omega limited; parameters that are sound, a, T >
-    0, c = (V (1 - 2^-26) - delta - a reach)/K_max > 0; the command before within c.
+    Given: {COMMANDS}, at any time; {GONE}; v and omega limited, one limit for both directions;
+    parameters that are sound, a, T > 0, c = (V (1 - 2^-26) - delta - a reach)/K_max > 0; the
+    command before within c; {PLAIN}.
     """
     clip = _clip(SLOW | {"filter.scale": scale})
     (before,), slew = clip.last, clip.p.take("filter.slew")
@@ -133,7 +135,8 @@ def slew_together(mutation: Mutation, scale: str) -> Statement:
     "filter.rims",
     premises="filter.sent",
     each={
-        f"{key} {name}-{way}": {"more": more, "side": side, "wheel": wheel}
+        f"{key} {name}-{way}{told}": {"more": more | keys, "side": side, "wheel": wheel}
+        for told, keys in SEEN.items()
         for key, more in (("wheels", WHEELED), ("beside", BESIDE))
         for wheel, name in enumerate(("right", "left"))
         for side, way in enumerate(("forwards", "backwards"))
@@ -148,21 +151,22 @@ def rims(mutation: Mutation, more: Keys, side: int, wheel: int) -> Statement:
     The limit of a wheel includes pushes and errors of both axes.
 
     Given: any odometry within nbar of v and omega, or none, any time since the last sample; the
-    stored bounds hold if that time is a period, or given as 0; w within W; no delay, jitter or
-    losses, H = T; l, T > 0, 0 < tau_min <= tau_max, exp(-T/tau_min) <= E <= 1; 0 < K_min <= K <=
-    K_max, |d_v| <= dbar_v, |d_omega| <= dbar_omega, dbar_v + l dbar_omega < W; u at most the step's
-    limit (filter.sent).
+    stored bounds hold if that time is a period, or given as 0; w within W; one limit for both
+    directions; no delay, jitter or losses, H = T; l, T > 0, 0 < tau_min <= tau_max, exp(-T/tau_min)
+    <= E <= 1; 0 < K_min <= K <= K_max, |d_v| <= dbar_v, |d_omega| <= dbar_omega, dbar_v + l
+    dbar_omega < W; u at most the step's limit (filter.sent); {PLAIN}.
     """
     graph, way = governor(more), WAYS[side]
     f = symbols("v1 v2 u K d1 d2 E kappa gone")
     ports = ports_of(graph.system)
     p = {port.signal.name: port.sym for port in ports}
-    push, error, gain = (p[f"filter.{name}"] for name in ("d", "odometry", "gain"))
+    push, gain, error = p["filter.d"], p["filter.gain"], p.get("filter.odometry", SX.zeros(2))
     T, tau = graph.T, p["filter.tau"]
     cuts = {"1/(exp(T/tau_min) - 1)": 1 / expm1(T / tau[0]), "-most": expm1(-T / tau[0])}
     cuts["-least"] = expm1(-T / tau[1])
     kappa, most, least = cuts.values()
-    seen, came = graph.age.sym >= -NEAR * T, _timely(graph)
+    cuts |= {f"V {i}": own.bounds.V for i, own in enumerate(graph.channels)}
+    came = _timely(graph)
     given: list[Relations] = [
         positive(p["robot.l"], T, gain[0], f.kappa),
         nonnegative(*vertsplit(push), *vertsplit(error)), f.kappa == kappa,
@@ -170,7 +174,7 @@ def rims(mutation: Mutation, more: Keys, side: int, wheel: int) -> Statement:
         least >= most, between(1 + most, f.E, 1),
     ]  # fmt: skip
     for i, v in enumerate((f.v1, f.v2)):
-        given += when(seen, within(graph.odometry.sym[i] - v, error[i]))
+        given += when(graph.seen, within(graph.odometry.sym[i] - v, error[i]))
         given += within((f.d1, f.d2)[i], push[i])
     place = len(graph.channels) - 2 + wheel
     channel, b = graph.channels[place], graph.channels[place].bounds
@@ -206,10 +210,10 @@ def assembled(mutation: Mutation, more: Keys) -> Statement:
 
     A command may act for longer than a period, and the filter takes that into account.
 
-    Given: any odometry within nbar, or none, any time since the last sample; the stored bounds
-    hold where every command that may act was sent in time; |v| <= V, one limit for both
-    directions less 2^-26 of it; v and omega limited; T > 0, 0 < tau_min <= tau_max; {INTERVALS};
-    exp(-H/tau_min) <= E <= 1; u at most the step's limit; mean <= max(drive(u), dbar).
+    Given: any odometry within nbar, or none, any time since the last sample; the stored bounds hold
+    where every command that may act was sent in time; |v| <= V, one limit for both directions less
+    2^-26 of it; v and omega limited; T > 0, 0 < tau_min <= tau_max; {INTERVALS}; exp(-H/tau_min) <=
+    E <= 1; u at most the step's limit; mean <= max(drive(u), dbar); {PLAIN}.
     """
     graph = governor(more)
     table, cuts = elements_of(*ports_of(graph.system)), Cuts()

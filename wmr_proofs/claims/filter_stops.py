@@ -11,7 +11,7 @@ from wmr_ctrl.control.filter.ramp_stop import stopping_speed
 from wmr_ctrl.control.filter.ways import Reached, Stop, covered, farthest, told_command
 from wmr_ctrl.control.guard.changing import largest_fall
 from wmr_ctrl.control.guard.guard import Bounds
-from wmr_proofs.claim import Claims, Mutation
+from wmr_proofs.claim import CLAIMED, Claims, Mutation
 from wmr_proofs.statement import (
     Named,
     Relations,
@@ -70,7 +70,7 @@ def inside(mutation: Mutation) -> Statement:
 
     Given: {LOWERED}; v_bar <= V, u <= hi, mean <= drive(u) (filter.drive).
     """
-    a = Lowered(Mutation(1))
+    a = Lowered(CLAIMED)
     goals = a.end <= a.V, a.hi >= 0
     return a.states(goals, given=(a.given, mutation(1, 0.99) * a.v_bar <= a.V, a.hi >= a.u))
 
@@ -83,7 +83,7 @@ def no_larger(mutation: Mutation) -> Statement:
 
     Given: {LOWERED}; dbar < V <= v_bar, hi < u.
     """
-    a = Lowered(Mutation(1))
+    a = Lowered(CLAIMED)
     sent = a.u > mutation(1, 0.99) * a.hi, a.dbar < a.V, a.v_bar >= a.V
     end = a.e2 * a.v_bar + (1 - a.e2) * (a.K_max * a.u + a.dbar)
     return a.states(end > a.stopped(a.e2), given=(a.given, sent))
@@ -118,15 +118,20 @@ def way(mutation: Mutation) -> Statement:
     return Statement(t, goal, (between(0, t.A_least, mutation(1, 1.01) * t.A), rest, gone))
 
 
+RESTS = {"rest": {"rests": True}, "loop alone": {"rests": False}}
+"""A base that stands and holds after a rest, or that its loop alone stops: no push then."""
+
+
 class Plan(Named):
     """A command that takes over at w and acts for D, then 0 until the base stands.
 
     For both ends of tau: A = covered(D, tau), q = A/tau; A_B of the rest.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, rests: bool) -> None:
         self.symbols = t = symbols("tau_1 tau_2 push rest acts last free w way m")
-        self.stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, t.acts, t.last, SX(0))
+        rest = t.rest if rests else None
+        self.stop = Stop((t.tau_1, t.tau_2), t.push, rest, t.acts, t.last, SX(0))
         fades = [covered(t.acts + t.last, tau) for tau in (t.tau_1, t.tau_2)]
         self.A, self.fading = fades, self.stop.fading
         self.shares = [fade / tau for fade, tau in zip(fades, (t.tau_1, t.tau_2), strict=True)]
@@ -136,7 +141,7 @@ class Plan(Named):
             t.acts > 0, t.last >= 0, t.w >= t.push, fades[0] > 0,
             fades[1] >= fades[0], fades[1] < D, self.shares[1] > 0,
             self.shares[0] >= self.shares[1], self.shares[0] < 1,
-            between(0, self.fading, t.rest),
+            between(0, self.fading, t.rest) if rests else t.push == 0,
         )  # fmt: skip
 
     def needed(self, k: int, m: SX) -> SX:
@@ -145,22 +150,22 @@ class Plan(Named):
         D = t.acts + t.last
         end = t.w + (m - t.w) * self.shares[k]
         own = t.way + m * D + (t.w - m) * self.A[k]
-        return own + self.fading * (end - t.push) + t.push * t.rest
+        return own + self.fading * (end - t.push) + self.stop.creep
 
     def most(self, mutation: Mutation) -> SX:
         """Largest steady speed that the free distance admits."""
         return self.stop.steady(mutation(1, 1.01) * self.free, [self.at])
 
 
-@claim("filter.free.plan")
-def plan(mutation: Mutation) -> Statement:
+@claim("filter.free.plan", each=RESTS)
+def plan(mutation: Mutation, rests: bool) -> Statement:
     """way + m D + (w - m) A + A_B (w + (m - w) q - d) + d B <= free, for both ends of tau.
 
     A command that the graph admits stops within the free distance for either end of tau.
 
     Given: {STOP}; 0 <= d <= w; m <= steady(free), the largest steady speed.
     """
-    a = Plan()
+    a = Plan(rests)
     goals = [a.free >= a.needed(k, a.m) for k in (0, 1)]
     return a.states(goals, given=(a.given, a.most(mutation) >= a.m))
 
@@ -192,55 +197,57 @@ def real(mutation: Mutation) -> Statement:
     return Statement(t, fmax(*ways) >= t.x_2 + t.x_3, given)
 
 
-@claim("filter.free.necessary")
-def necessary(mutation: Mutation) -> Statement:
+@claim("filter.free.necessary", each=RESTS)
+def necessary(mutation: Mutation, rests: bool) -> Statement:
     """The distance for one end of tau (filter.free.plan) exceeds the free one.
 
     No larger command stops every base in time.
 
     Given: {STOP}; 0 <= d <= w, d <= m; 0 < free, steady(free) < m.
     """
-    a = Plan()
-    beyond = a.m > mutation(1, 0.99) * a.most(Mutation(1))
+    a = Plan(rests)
+    beyond = a.m > mutation(1, 0.99) * a.most(CLAIMED)
     goal = fmax(a.needed(0, a.m), a.needed(1, a.m)) > a.free
     return a.states(goal, given=(a.given, beyond, a.m >= a.push, a.free > 0))
 
 
-def _leaving(mutation: Mutation) -> tuple[Symbols, Stop[SX], list[Relations]]:
+def _leaving(mutation: Mutation, rests: bool = True) -> tuple[Symbols, Stop[SX], list[Relations]]:
     """Symbols of a released base: distance, speed at its start, and decayed speed."""
     t = symbols("tau_1 tau_2 push rest x_1 x_2 x_3 v_3 w a_B free target pull h q a")
-    stop = Stop((t.tau_1, t.tau_2), t.push, t.rest, SX(0), SX(0), SX(0))
+    rest = t.rest if rests else None
+    stop = Stop((t.tau_1, t.tau_2), t.push, rest, SX(0), SX(0), SX(0))
     least = stop.quick
     given: list[Relations] = [
         t.tau_1 > 0, nonnegative(t.rest, t.push, least),
         mutation(1, 1.01) * t.a_B >= least,
-        t.rest >= t.a_B, t.push * t.rest + (t.v_3 - t.push) * t.a_B >= t.x_3,
+        t.rest >= t.a_B if rests else t.push == 0,
+        t.push * t.rest + (t.v_3 - t.push) * t.a_B >= t.x_3,
     ]  # fmt: skip
     return t, stop, given
 
 
-@claim("filter.leave.roll")
-def roll(mutation: Mutation) -> Statement:
+@claim("filter.leave.roll", each=RESTS)
+def roll(mutation: Mutation, rests: bool) -> Statement:
     """x_3 <= d (B - A(B; tau_min)).
 
     Largest roll after one release of a command away.
 
-    Given: {FADES}; 0 <= d, v_3 <= 0, x_3 <= d B + (v_3 - d) a_B.
+    Given: {FADES}{ALONE}; 0 <= d, v_3 <= 0, x_3 <= d B + (v_3 - d) a_B.
     """
-    t, stop, given = _leaving(mutation)
+    t, stop, given = _leaving(mutation, rests)
     return Statement(t, stop.roll >= t.x_3, (given, -t.v_3 >= 0), {"minus_A_least": -stop.quick})
 
 
-@claim("filter.free.retreat")
-def retreat(mutation: Mutation) -> Statement:
+@claim("filter.free.retreat", each=RESTS)
+def retreat(mutation: Mutation, rests: bool) -> Statement:
     """x_1 + x_2 + x_3 <= free, and x_1 + x_2 <= free.
 
     A command away that the distance admits rolls no farther than the free distance.
 
-    Given: {FADES}; 0 <= d, v_3 <= s = max(w, target) <= 0, 0 <= x_1, x_2 <= 0, x_3 <= d B + (v_3 -
-    d) a_B; x_1 + max(0, d B + (s - d) A(B; tau_min)) <= free; nothing comes nearer.
+    Given: {FADES}{ALONE}; 0 <= d, v_3 <= s = max(w, target) <= 0, 0 <= x_1, x_2 <= 0, x_3 <= d B +
+    (v_3 - d) a_B; x_1 + max(0, d B + (s - d) A(B; tau_min)) <= free; nothing comes nearer.
     """
-    t, stop, given = _leaving(Mutation(1))
+    t, stop, given = _leaving(CLAIMED, rests)
     speed = fmax(t.w, t.target)
     given += [
         -speed >= 0, speed >= t.v_3, -t.x_2 >= 0,
@@ -260,7 +267,7 @@ def hold(mutation: Mutation) -> Statement:
     tau_min))/p + tau_max - A(B; tau_min) from rest: x_2 <= -p (h - a), v_3 <= -p q, 0 <= a <=
     tau_max q, 0 <= q <= 1; x_3 <= d B + (v_3 - d) a_B.
     """
-    t, stop, given = _leaving(Mutation(1))
+    t, stop, given = _leaving(CLAIMED)
     given += [
         t.pull > 0, t.tau_2 >= stop.quick, between(0, t.q, 1),
         t.h >= mutation(1, 0.9) * stop.hold(t.pull), between(0, t.a, t.tau_2 * t.q),

@@ -92,8 +92,8 @@ def inside(mutation: Mutation, stated: Keys, of: type[Clip] | type[Governor]) ->
 
     Given: a gate with its default times and ramps before a filter of first-order loops; l > 0; one
     limit for both directions; (V - dbar)/K_max > 0 of each speed, V less 2^-26 of it, the
-    governor's four limits above 0 (filter.limits); every real input of any size, any time since
-    the last step.
+    governor's four limits above 0 (filter.limits); every real input of any size, any time since the
+    last step; {PLAIN}.
     """
     scenario = load_scenario("paper-simulation", stated)
     (system, goal), own = gate.gate_and_goal(scenario, SETTINGS), of(scenario)

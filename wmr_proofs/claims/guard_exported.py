@@ -1,6 +1,6 @@
 """The exported guard consists of its parts, and its flag is the only condition on its numbers."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 from casadi import SX, exp, fmax, logic_and, substitute, vertcat
@@ -23,6 +23,7 @@ from wmr_proofs.statement import (
     within,
 )
 
+from .command_filter import BY_SIDE, Keys
 from .exported import PERIOD, Assembled, exported, setup
 from .guard_axis import DELAYED, NUMBERS, GuardAxis
 from .guard_sample import anchor, largest
@@ -41,14 +42,18 @@ _DELAYS = {
 }  # fmt: skip
 EXPORTED = {f"{kind}{key}": {"kind": kind, **row} for kind in MAPS for key, row in _DELAYS.items()}
 """Both maps onto the wheels, without a delay and behind one of two periods."""
+TOLD = EXPORTED | {
+    f"{name} by direction": row | {"stated": BY_SIDE} for name, row in EXPORTED.items()
+}
+"""These with one limit for both directions, and with a limit of each."""
 
 
 @claim(
     "guard.assembled",
     premises="guard.axes wheels.linear-first wheels.rotation-first",
-    each=EXPORTED,
+    each=TOLD,
 )
-def assembled(mutation: Mutation, kind: str, delay: int) -> Statement:
+def assembled(mutation: Mutation, kind: str, delay: int, stated: Keys | None = None) -> Statement:
     """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
     axes' clips and safe points, each axis with its own bounds and its own commands in transit (the
     torques sent before); feasible = 1 only if both axes' flags are 1, their brakes together are
@@ -58,9 +63,9 @@ def assembled(mutation: Mutation, kind: str, delay: int) -> Statement:
 
     The exported guard consists of the parts in the other entries.
 
-    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any requested force.
+    Given: any parameters with r, l, T, alpha, M_min, M_max > 0; any requested force; {OWN_LIMITS}.
     """
-    return exported(mutation, kind, Assembled(guard, setup(kind, delay)))
+    return exported(mutation, kind, Assembled(guard, setup(kind, delay, **(stated or {}))))
 
 
 def begun(a: GuardAxis) -> tuple[SX, SX]:
@@ -142,7 +147,7 @@ def keeps(mutation: Mutation, kind: str, delay: int) -> Statement:
 
     Given: feasible = 1; r, l, tau_max, T, alpha, u1, M_min > 0, dbar, nbar, brake, f_min, f_speed
     >= 0; any requested force; of each axis |y - v| <= nbar, M_min <= M <= M_max; without delay
-    {V_INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}.
+    {V_INSIDE}; behind one of two periods delay > 0, {UNDER_WAY}; {ONE_LIMIT}.
     """
     e = Assembled(guard, setup(kind, delay))
     r, half = e.wheels
@@ -185,7 +190,7 @@ def carried(mutation: Mutation, kind: str) -> Statement:
 
     Given: feasible = 1; r, l, tau_max, T, delay, alpha, u1, M_min > 0, dbar, nbar, brake, f_min,
     f_speed >= 0; any velocities and any requested force; behind one of two periods, |F_j| <=
-    largest of both torques that are remembered and of both axes.
+    largest of both torques that are remembered and of both axes; {ONE_LIMIT}.
     """
     e = Assembled(guard, setup(kind, 2))
     free, force = symbols("linear angular"), wheel_to_force(*e.wheels, e.torque)
@@ -234,7 +239,7 @@ EXPORTED_LATE = {
     premises="guard.axes wheels.linear-first wheels.rotation-first",
     each=EXPORTED_LATE,
 )
-def late(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Statement:
+def late(mutation: Mutation, kind: str, stated: Keys) -> Statement:
     """the torques of the whole guard are those of the map, linear-first or rotation-first, on both
     axes' clips and safe points, each axis with its own bounds and sums over commands in transit:
     piece by piece, with either of two commands, and with a stored sum of older ones, which is
@@ -246,7 +251,8 @@ def late(mutation: Mutation, kind: str, stated: Mapping[str, float]) -> Statemen
     The exported guard consists of the parts in the entries about late velocities, jitter and lags.
 
     Given: any parameters with r, l, T, alpha, M_min, M_max, lag > 0, spread < 1; any requested
-    force; velocities are means over a period, a delay of half of one, a lag of 0.4 of it.
+    force; velocities are means over a period, a delay of half of one, a lag of 0.4 of it;
+    {ONE_LIMIT}.
     """
     return exported(mutation, kind, Assembled(guard, setup(kind, 0, **stated)))
 
@@ -262,9 +268,10 @@ LAG, PART = {"actuator.lag": 0.4 * PERIOD}, {"actuator.delay": 0.5 * PERIOD}
         "lag": {"stated": LAG}, "varying-lag": {"stated": LAG | {"actuator.lag_spread": 0.25}},
         "delay": {"stated": PART}, "jitter": {"stated": JITTER},
         "window": {"stated": {"sensor.velocity_window": PERIOD}},
+        "lag by direction": {"stated": LAG | BY_SIDE},
     },
 )  # fmt: skip
-def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
+def alone(mutation: Mutation, stated: Keys) -> Statement:
     """nothing is late but one of: a lag of 0.4 of a period; one that varies by a quarter; a delay
     of half a period; a jitter of that; velocities, which are means over a period.  The torques of
     the whole guard are those of linear-first on both axes' clips and safe points, with the sums
@@ -277,7 +284,7 @@ def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
     Each kind of lateness alone is treated as it is together with the others.
 
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0, and lag, 1 - spread > 0 where there
-    is one; any requested force.
+    is one; any requested force; {ONE_LIMIT}, or, behind a constant lag, one of each.
     """
     return exported(mutation, "linear-first", Assembled(guard, setup("linear-first", 0, **stated)))
 
@@ -286,15 +293,15 @@ def alone(mutation: Mutation, stated: Mapping[str, float]) -> Statement:
     "guard.assembled.controller{late}",
 
     over=(
-        {"late": "", "more": "", "each": EXPORTED,
+        {"late": "", "more": "", "each": TOLD, "sided": "{OWN_LIMITS}",
          "which": "without delay and behind one of two periods"},
         {"late": "-late", "more": ", lag, 1 - spread > 0, 0 < exp(-h/lag) < 1",
-         "each": EXPORTED_LATE,
+         "each": EXPORTED_LATE, "sided": "{ONE_LIMIT}",
          "which": "late in the ways of guard.assembled.late"},
     ),
 )  # fmt: skip
 def controller(
-    mutation: Mutation, kind: str, delay: int = 0, stated: Mapping[str, float] | None = None
+    mutation: Mutation, kind: str, delay: int = 0, stated: Keys | None = None
 ) -> Statement:
     """torques, flag, d_least and the guard's memory one sample later are, in the whole controller,
     those of the whole guard on the force that the law requests: with either map, {which}.
@@ -302,7 +309,7 @@ def controller(
     Results about the exported guard hold for it inside the controller.
 
     Given: any parameters with r, l, T, alpha, M_min, M_max > 0{more}; any measurements, targets and
-    state.
+    state; {sided}.
     """
     loop = setup(kind, delay, **(stated or {}))
     whole, alone = (Assembled(make, loop) for make in (asking_controller, guard))
@@ -315,7 +322,7 @@ def controller(
         for e in (whole, alone)
     )
     ours = substitute(ours, vertcat(*alone.p.values()), vertcat(*put))
-    free = symbols("e") if stated else Symbols()
+    free = symbols("e") if "actuator.lag" in whole.p else Symbols()
     share = {name: exp(-whole.p["clock.plant"] / whole.p["actuator.lag"]) for name in free}
     below = (item for e in free.values() for item in (e > 0, e < 1))
     given = (whole.signs, *below)
