@@ -46,7 +46,9 @@ def test_check_tells_how_a_base_leaves(wmr, cart):
 
     assert "hold a command of at least 0.0556 m/s" in lines("")
     slower = "--set limits.v_min=[-0.05,-1] --set filter.nearing=0.2 --set filter.leave=0"
-    assert "can never move it away from an obstacle ahead" in lines(slower)
+    assert "not sure to move it away from an obstacle ahead" in lines(slower)
+    assert "only from an obstacle behind told" in lines(slower)
+    assert "only from an obstacle told" not in lines(slower)
     assert "lowered from one [m/s] to another, backwards, is kept" in lines(slower)
     assert "may stop by itself between two" in lines("--set filter.losses=4 --set filter.hold=0.2")
     clip = "--set filter.kind=clip --set filter.decel=[1,2] --set filter.changing=false"

@@ -99,18 +99,20 @@ def _leaving(case: Scenario) -> Iterator[str]:
             f"of them (filter.hold = {settings.hold:g} s), so that it is never known to be at rest"
         )
         return
-    for way, place in words.items():
-        if pull_away(case, way) <= 0:
+    able = [place for way, place in words.items() if pull_away(case, way) > 0]
+    for place in words.values():
+        if place not in able:
             yield (
-                f"commands can never move it away from {place}: the limit away from it is too "
-                f"small for filter.d = {settings.d[0]:g} m/s and filter.gain"
+                f"commands are not sure to move it away from {place}: the limit away from it is "
+                f"too small for filter.d = {settings.d[0]:g} m/s and filter.gain"
             )
     if settings.nearing or (settings.kind == "clip" and settings.d[0]):
         why = "filter.nearing uses up" if settings.nearing else "a clip does not count"
-        yield (
-            f"it moves away only from an obstacle told to be {length(leaves_from(case))} away or "
-            f"more, which one release may cost: {why} what a held command gains"
-        )
+        for place in ["an obstacle"] if len(able) == 2 else able:
+            yield (
+                f"it moves away only from {place} told to be {length(leaves_from(case))} away or "
+                f"more, which one release may cost: {why} what a held command gains"
+            )
     elif settings.d[0]:
         found = {place: own for way, place in words.items() if (own := leaving(case, way))}
         if len(found) == 2 and len({*found.values()}) == 1:

@@ -7,7 +7,8 @@ import pytest
 
 from tests.control.filter.test_filter import scenario as first_order
 from tests.control.filter.test_peak_gain import scenario
-from wmr_ctrl import command_filter
+from tests.tables import changes
+from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.band import NAMES, BandGovernor
 
 T = 0.05
@@ -110,6 +111,25 @@ def test_a_clip_acts_whenever_a_step_is_untimely(kind, wrong):
     made = limit.step((5.0, 0.0), (0.0, 0.0), dt=wrong)
     assert made.command[0] == clip
     assert made.flags == ("limited", "late")
+
+
+def test_a_governor_forgets_what_it_made_of_commands_that_were_not_in_time():
+    """One command forwards and an early step: the limit backwards, 0.02 m/s, holds afterwards."""
+    own = changes("""
+        filter.kind = governor; filter.tau = [0.2, 0.2]; filter.delay = [0.19, 0.19]
+        limits.v_u1 = [0.5, 1]; limits.v_u2 = [0.3, 0.7]; limits.v_min = [-0.02, -1]
+    """)
+    step = command_filter(load_scenario("paper-simulation", own | {"clock.control": T})).step
+    v, sent, slowest, late = 0.0, [0.0] * 190, [], False
+    for k in range(50):
+        since = 0.02 if k == 22 else T
+        for _ in range(round(since / 1e-3)):
+            v += (1 - math.exp(-1e-3 / 0.2)) * (sent[-190] - v)
+            sent.append(sent[-1])
+            slowest.append(0.0 if late else v)
+        made = step((9.0 if k == 21 else -9.0, 0.0), dt=since)
+        sent[-1], late = made.command[0], "late" in made.flags
+    assert -0.02 <= min(slowest) < -0.0199
 
 
 @pytest.mark.slow

@@ -85,6 +85,13 @@ def test_it_goes_on_leaving_only_from_standstill():
     assert min(resting) > 0.3
 
 
+def test_a_command_away_does_not_keep_a_brake_open_while_an_obstacle_comes_nearer():
+    own = {**BASE, "filter.d": (0.0, 0.0), "filter.nearing": 0.5, "filter.tau": (0.1, 0.5)}
+    clip = command_filter(load_scenario("paper-simulation", own))
+    told = {"measured": (0.3, 0.0), "free": (0.1, 9.0), "turn": (99.0, 99.0), "dt": T}
+    assert clip.step((-1e-3, 0.0), **told).command == (0.0, 0.0)
+
+
 def test_a_lowered_limit_does_not_hide_how_fast_the_base_still_is():
     told = {"measured": (1.0, 0.0), "turn": (9.0, 9.0), "dt": T}
     clip = command_filter(preset("paper-simulation", BASE, "filter.changing = true"))

@@ -103,6 +103,32 @@ def test_a_brake_behind_a_dead_band_keeps_the_limit():
         assert abs(v) <= 1
 
 
+@pytest.mark.parametrize(
+    "own, asked, limit",
+    [
+        ("filter.rest = 0.05", (0.0, 9.0), 1.0),
+        ("filter.rest = 0; filter.tau = [0.05, 0.3]; limits.v_max = [0.06, 1]", (0.055,), 0.06),
+    ],
+)
+def test_a_brake_that_closes_as_a_command_takes_over_keeps_the_limit(own, asked, limit):
+    """The last command meets a base that its brake stops at the sample, or as a command of 0."""
+    told = PLAIN | changes(f"filter.odometry = [0, 0]; {own}")
+    scenario = load_scenario("paper-simulation", told)
+    step, v, u = CommandFilter(scenario).step, 0.0, 0.0
+    share = -math.expm1(-0.05 / scenario.filter.intervals("tau")[0][0])
+    for item in (-9.0,) * 60 + asked:
+        v += share * (u - v)
+        u = step((item, 0.0), measured=(v, 0.0)).command[0]
+    assert 0 < share * (1.1 * u + 0.05) <= limit
+
+
+def test_limits_that_may_change_leave_no_less_than_the_clip():
+    """Without odometry, and with delays that vary by a period, so that k2 is nearly infinite."""
+    own = "filter.changing = true; filter.delay = [0, 0.05]"
+    step = CommandFilter(load_scenario("paper-simulation", PLAIN | changes(own))).step
+    assert min(step((9.0, 0.0)).command[0] for _ in range(60)) > 0.95 / 1.1 - 1e-7
+
+
 def test_a_brake_that_late_turning_keeps_open_keeps_the_limit():
     """Commands of v act at once, those of omega 0.4 s later; a push drives v on meanwhile."""
     own = "filter.d = [0.2, 0.2]; filter.rest = 0.1; filter.delay = [[0, 0], [0.4, 0.4]]"

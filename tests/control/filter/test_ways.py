@@ -111,7 +111,7 @@ def test_a_brake_lifts_a_bound_below_zero_and_the_most_of_what_acts_cuts_it():
     assert float(ca.evalf(braked.carried(ca.SX(-0.5), piece, targets, shares))) == 0
     cut = told_bound([0, 0, 0], (1.0, 0.3, 0.2))
     assert float(ca.evalf(cut.carried(ca.SX(0.9), piece, [ca.SX(1.0)] * 3, shares))) <= 0.3
-    assert float(ca.evalf(cut.cap_now)) == 0.3
+    assert float(ca.evalf(cut.present(ca.SX(0.9)))) == 0.3
 
 
 def test_the_way_until_the_next_sample_counts_no_motion_backwards():

@@ -135,6 +135,10 @@ class Schedule:
         """True if the command of this age may act at a sample."""
         return age == 1 or self._last(age) > NEAR
 
+    def meets(self, age: int) -> bool:
+        """True if the command of this age may begin, act or end at a sample."""
+        return self._first(age) < NEAR and self._last(age) > -NEAR
+
     def _first(self, age: int) -> float:
         """Earliest time at which the command of this age may take effect."""
         return self.delay[0] - age * (1 + self.jitter)

@@ -223,6 +223,8 @@ class Governor(Heard):
         bounds = ca.vertcat(*(item for side in self.following for item in side))
         older = [item.sym for item in self.before[:-1]]
         known = ca.if_else(self.sound, bounds, LARGEST)
+        if self.counted:  # commands that were not sent in time may act at other times
+            known = ca.if_else(self.punctual, known, LARGEST)
         state = (*self.known, *self.before, *self.counted)
         return state, [known, self.sent, *older, *self.in_time]
 

@@ -104,7 +104,10 @@ class Watching(Heard):
     @cached_property
     def most_before(self) -> list[Port]:
         """State: bounds of the speed while each command acts."""
-        starts = [c.largest[place] for place in (0, -1) for c in self.channels]
+        starts = [  # less the margin for rounding, as limits are
+            max(0.0, c.largest[place] - ROUNDING * max(c.largest))
+            for place in (0, -1) for c in self.channels
+        ]  # fmt: skip
         return [port(_most(age), starts) for age in range(1, self.oldest + 1)]
 
     @cached_property
@@ -234,9 +237,13 @@ def shifted(before: Sequence[Port]) -> list[ca.SX]:
 
 
 def remembered(plans: Iterable[Schedule], scenario: Scenario) -> int:
-    """Number of commands that may act between a distance's measurement and the sample, or later."""
+    """Number of commands that may act between a distance's measurement and the sample, or later.
+
+    With a brake, also one that ends at the sample.
+    """
     settings = scenario.filter
     age = settings.free_age / scenario.clock.control if settings.free_error is not None else 0.0
+    age = age if settings.rest is None else max(age, 2 * NEAR)
     oldest = (replace(plan, age=max(plan.age, age)).oldest for plan in plans)
     return max(1 + settings.losses, *oldest)
 

@@ -154,10 +154,10 @@ class RampStopper(Clip, Watching):
         u, enough = way * self.offered[axis], self._roll(axis) + self._nears(axis)
         away = ca.logic_and(u < 0, b.K_min * u + b.dbar <= 0)
         stands = self.held_before[0].sym
-        leaves = [ca.logic_and(stands, self.free_now[place][axis] >= enough), b.dbar == 0]
-        if not self.scenario.filter.nearing:
+        leaves = [ca.logic_and(stands, self.free_now[place][axis] >= enough)]
+        if not self.scenario.filter.nearing:  # else only zeros let it stand in time
             went = way * self.before[0].sym[axis] < 0
-            leaves.append(ca.logic_and(went, self.fastest[place][axis] <= 0))
+            leaves += [b.dbar == 0, ca.logic_and(went, self.fastest[place][axis] <= 0)]
         passes = ca.logic_and(away, reduce(ca.logic_or, leaves))
         return ca.logic_or(self.stopping[place][axis] >= 0, passes)
 

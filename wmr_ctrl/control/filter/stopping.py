@@ -130,7 +130,7 @@ class StoppingGovernor(Watching, Governor):
     def now(self) -> Sides:
         """Bounds of the present speed, also from the commands that act now."""
         own = super().now
-        return each_side(lambda place, i: ca.fmin(own[place][i], self.told[place][i].cap_now))
+        return each_side(lambda place, i: self.told[place][i].present(own[place][i]))
 
     @cached_property
     def takeover(self) -> Sides:
@@ -194,7 +194,11 @@ class StoppingGovernor(Watching, Governor):
         motion = self.told[place][axis]
         acts = ca.fmax(motion.schedule.shortest * self.T, LEAST_PERIOD)
         slowest, V = 1 / ca.expm1(acts / motion.tau[1]), self.in_force[place][axis]
-        most = told_command(V, self.takeover[place][axis], motion.bounds, slowest)
+        v_bar, b = self.takeover[place][axis], motion.bounds
+        most = told_command(V, v_bar, b, slowest)
+        if self.rest is not None:  # a brake may close while a command acts that counts as 0
+            stood = told_command(V, ca.fmax(v_bar, 0), b, slowest)
+            most = ca.if_else(b.K_min * stood < b.dbar, stood, most)
         return ca.fmin(most, self.stopping[place][axis]) if self.distances else most
 
     @cached_property

@@ -194,16 +194,18 @@ class ToldBound(SpeedBound):
             speed = ca.fmax(ca.fmin(relaxed(speed, target, *shares), self.cap(piece)), 0)
             yield Reached(piece.end * self.period, way, speed)
 
-    @property
-    def cap_now(self) -> ca.SX:
-        """Bound of the speed from the commands that may act until the sample.
+    def present(self, v: ca.SX) -> ca.SX:
+        """Bound ``v`` of the present speed, limited by the commands that may act until the sample.
 
         If all others are lost, and none is late, the last one of these has ceased to act by then.
+        A brake may close at the instant of the sample, after the odometry was read.
         """
         plan, lost = self.schedule, self.schedule.losses
         ages = [age for age in range(1, max(plan.oldest, 1 + lost) + 1)
                 if age <= 1 + lost or plan.acts(age)]  # fmt: skip
-        return self.cap(Piece(0.0, 0.0, tuple(ages)))
+        meeting = tuple(age for age in range(1, len(self.most)) if plan.meets(age))
+        now = ca.fmin(v, self.cap(Piece(0.0, 0.0, tuple(ages))))
+        return self._lifted(now, Piece(0.0, 0.0, meeting))
 
     def takeovers(self, v: ca.SX, targets: Sequence[ca.SX]) -> list[Reached[ca.SX]]:
         """Distance and speed at each instant at which the next command may take over."""
