@@ -85,10 +85,6 @@ def _fewer_zeros(plan: Any, T: ca.SX, time: ca.SX, more: float = -1e-9) -> ca.SX
     return ca.floor(0.8 * steps) if more > 0 else steps
 
 
-def _equal_times(plan: Any, T: ca.SX, time: ca.SX, more: float = -1e-9) -> ca.SX:
-    return whole_steps(plan, T, time, -abs(more))
-
-
 def _slow_roll(self: Stop) -> ca.SX:
     return self.push * (self.rest - covered(self.rest, self.tau[1]))
 
@@ -140,10 +136,6 @@ ALTERED: Mapping[str, Altered] = {
     ),
     "a fifth of the zeros before rest less": Altered(
         {(stopping, "whole_steps"): _fewer_zeros}, "touch", WIDE, _away(SLOWLY)
-    ),
-    "rest at the instant when the brake closes": Altered(
-        {(stopping, "whole_steps"): _equal_times}, "touch",
-        Base(delay=(0.4, 0.4), leave=0), _away(BACK),
     ),
     "pull by the largest gain": Altered(
         {(StoppingGovernor, "pull"): _pull("K_max")}, "touch",
