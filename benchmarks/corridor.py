@@ -15,14 +15,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.corridor_attacks import farthest_displaced, farthest_misled, farthest_on_the_way
 from benchmarks.gains import sharing
 from benchmarks.parts import millimetres, renew
-from tests.corridor.adversary import (
-    farthest,
-    farthest_displaced,
-    farthest_misled,
-    farthest_on_the_way,
-)
+from tests.corridor.adversary import farthest
 from wmr_ctrl.api import simulate_many
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.theory.corridor import find_corridor

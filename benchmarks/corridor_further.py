@@ -2,16 +2,16 @@
 
 ``python -m benchmarks.corridor_further [--quick] [--out PAGE]``: a table of benchmarks/results.md.
 Bases that take velocities, commands that take over when it hurts, poses that are lost
-(`tests.corridor.further`). A row has the largest distance with worst signs at the bound and a fifth
-beyond it, and the multiple of the bound from which on a loop leaves the corridor.
+(`benchmarks.corridor_cases`). A row has the largest distance with worst signs at the bound and a
+fifth beyond it, and the multiple of the bound from which on a loop leaves the corridor.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from benchmarks.corridor_cases import ROWS
 from benchmarks.parts import millimetres, page_parser, renew
-from tests.corridor.further import ROWS
 from wmr_ctrl.theory.corridor import find_corridor
 
 NAME = "corridor further"

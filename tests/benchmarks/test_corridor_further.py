@@ -2,9 +2,9 @@
 
 import pytest
 
+from benchmarks.corridor_cases import ROWS
 from benchmarks.corridor_further import FIFTH, FINE, HEAD, NAME, row
 from tests.benchmarks.pages import RESULTS, cells, table
-from tests.corridor.further import ROWS
 
 RUN_AGAIN = (
     "the same, acceleration limited to 0.5 m/s2 and 3 rad/s2",

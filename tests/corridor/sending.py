@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from tests.corridor.adversary import TRIED, farthest_first, led_by
 from tests.oracle.auxiliary import auxiliary_rate, auxiliary_velocity, tracking_error
 from tests.oracle.kanayama import Kanayama
 from tests.oracle.law import Sight
@@ -182,28 +181,3 @@ def course(scenario, law, samples, *, idle=False, jump=(0.0, 0.0, 0.0), **errors
             n += 1
             rows.append(tracking_error(reference(n * h), state[:3]))
     return Course(np.array(rows), np.array(sent), changed)
-
-
-def worst(scenario, law, samples, kind, size):
-    """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` and ``size`` (2) that displace the robot
-    most.
-    """
-    steps = scenario.clock.substeps
-    rest = course(scenario, law, samples + FIRST).e[(FIRST + 1) * steps - 1 :: steps]
-    answers = []
-    for axis in (0, 1):
-        error = np.zeros((samples + FIRST, 2))
-        error[FIRST, axis] = TINY
-        e = course(scenario, law, samples + FIRST, **{kind: error}).e
-        answers.append(e[(FIRST + 1) * steps - 1 :: steps] - rest)
-    rate = reference_of(scenario.reference)(0.0).v2 if kind == "pose" else 0.0
-    return farthest_first(led_by(answers, rate * scenario.clock.control), size)[:TRIED]
-
-
-def farthest(scenario, law, samples, kind, size, times=1.0):
-    """Course with the largest distance under the worst errors of ``kind``."""
-    each = (
-        course(scenario, law, samples, **{kind: times * error})
-        for error in worst(scenario, law, samples, kind, size)
-    )
-    return max(each, key=lambda x: x.position)
