@@ -10,7 +10,7 @@ from itertools import chain
 import numpy as np
 import pytest
 
-from tests.proofs import worded, worded_filter, worded_guard, worded_laws
+from tests.proofs import worded, worded_filter, worded_guard, worded_laws, worded_stops
 from tests.proofs.anew import altered
 from tests.proofs.worded import CHECKS, NEAR, SAMPLES
 from wmr_ctrl.control.filter import channels
@@ -18,7 +18,7 @@ from wmr_ctrl.control.guard import guard
 from wmr_ctrl.results.ledger import load
 
 FAMILIES = ("guard.", "filter.", "gate.", "corridor.", "prox.")
-MODULES = (worded_guard, worded_filter, worded_laws)
+MODULES = (worded_guard, worded_filter, worded_laws, worded_stops)
 EACH = list(dict.fromkeys(chain.from_iterable(CHECKS.values())))
 NOT_SAMPLED = {
     "*.rounding.*": "about every rounding; tests/control/filter and tests/control/guard",
@@ -39,9 +39,11 @@ NOT_SAMPLED = {
     "filter.swung*": "loops that swing; tests/control/filter/test_filter_sides.py",
     "filter.in-time": "a count; tests/control/filter/test_filter_times.py",
     "filter.held-*": "steps of a run; tests/control/filter/test_held_loop.py",
-    "filter.limits.*": "drives against lowered limits; tests/control/filter/test_stopping.py",
-    "filter.free.*": "drives towards obstacles and ways; tests/control/filter/test_ways.py",
-    "filter.leave.*": "releases of a brake; tests/control/filter/test_ways.py, test_stopping.py",
+    "filter.free.brake": "a sign",
+    "filter.free.way": "distances of drives; tests/control/filter/test_ways.py",
+    "filter.free.real": "distances of drives; tests/control/filter/test_ways.py",
+    "filter.free.ramp": "a root; tests/control/filter/test_ramp_stop.py",
+    "filter.leave.away": "signs",
     "filter.band.*": "tables; tests/control/filter/test_band.py",
     "prox.decay*": "values of V1 as free numbers",
     "prox.rises": "values of V1 as free numbers",
@@ -85,6 +87,8 @@ def test_no_sample_breaks_a_claim_as_it_is_worded(check):
 ALTERED = (
     (worded_guard.at_once, guard.ceiling, "- b.net", "- 0.99 * b.net"),
     (worded_guard.delayed, worded_guard.late_guard.largest_force, "b.braking + b.net", "b.braking"),
+    (worded_stops.lowered, worded_stops.ways.told_command, "ca.fmin(b.kappa", "ca.fmax(b.kappa"),
+    (worded_stops.left_behind, worded_stops.ways.Stop.retreat, "self.creep", "0"),
     (worded_filter.governed_wheels, channels.channels_of, "d[0] + l * d[1]", "d[0] + l * d[1] / 2"),
 )
 
