@@ -218,7 +218,7 @@ def _nearer(certifier: Certifier, share: float) -> Certifier:
 
 
 def _largest(loop: Callable[[float], tuple[Certifier, Inputs]]) -> float | None:
-    """Largest of several shares of a loop or its inputs with a corridor, which is then checked.
+    """Largest of several shares of a loop or its inputs with a corridor that passes its check.
 
     None if no share has one.
     """
@@ -227,11 +227,8 @@ def _largest(loop: Callable[[float], tuple[Certifier, Inputs]]) -> float | None:
         middle = (low + high) / 2
         certifier, inputs = loop(middle)
         try:
-            tube = certifier.tube(inputs)
+            checked(certifier, inputs, certifier.tube(inputs))
+            low = middle
         except NoCorridorError:
             high = middle
-        else:
-            low, closed = middle, (certifier, inputs, tube)
-    if low:
-        checked(*closed)
     return low or None
