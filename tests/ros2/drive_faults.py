@@ -16,7 +16,7 @@ def of_odometry(base):
     """Reactions of the node, by fault of odometry."""
     known = faults()
     del known["infinite"], known["ahead"]
-    found = {"well": base.go(PATIENCE, lambda: base.told("driving"))}
+    found = {"well": base.until_said("driving")}
     for name, spoil in known.items():
         found[name] = base.fault(base.rested("no-odometry"), spoil=spoil)
     found["out of order"] = base.out_of_order()

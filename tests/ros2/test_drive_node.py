@@ -140,9 +140,11 @@ def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
     assert found["there"]
 
 
-def test_where_all_is_well_diagnostics_say_so(faults, efforts):
-    assert faults["real"]["well"]
-    assert efforts["real"]["well"]
+@pytest.mark.parametrize("base", ["faults of the drive", "faults with efforts"])
+def test_where_all_is_well_diagnostics_say_so(report, base):
+    said = report(base)["real"]["well"]
+
+    assert "driving" in said or said == ["period-missed"]  # so it is on a machine that is busy
 
 
 each_leap = pytest.mark.parametrize(
