@@ -52,6 +52,7 @@ def test_spans_hold_what_balls_of_high_precision_say(wide):
 def eight():
     changes = [{"t": 0.505, "m": 60.0}]
     told = {"reference.kind": "lemniscate", "clock.duration": 1.0, "changes": changes}
+    told |= {"actuator.delay": 0.02, "guard.enabled": False}
     return Along(settle(safe(told), "prox"))
 
 
@@ -74,6 +75,29 @@ def test_each_command_that_may_act_counts_in_a_sample(monkeypatch):
     acts = passing._step(np.zeros((2, len(passing.along.rows))), np.array([[4.0, 0], [0, 9]]), now)
 
     assert acts.tolist() == [[5.0, 3.0], [4.0, 9.0]]
+
+
+@pytest.fixture(scope="module")
+def passed(eight):
+    """A passage through a whole run, with the samples at which it bounded second derivatives."""
+    passing, asked = Passing(eight, bounded_inputs(eight.setup), np.full(3, 1e-3)), []
+
+    def recorded(place, now):
+        asked.append((place, now.k))
+        return type(passing)._bend(passing, place, now)
+
+    passing._bend = recorded
+    return passing, passing.run(), asked
+
+
+def test_each_chunk_has_second_derivatives_of_its_own(eight, passed):
+    assert {(place, first) for first, _ in eight.chunks() for place in (0, 1)} <= set(passed[2])
+
+
+def test_commands_that_may_act_later_are_those_of_the_last_samples(passed):
+    passing, bounds, _ = passed
+    assert len(passing.commands)
+    np.testing.assert_array_equal(passing.commands, bounds.box[2][-len(passing.commands) :, :2])
 
 
 def test_what_a_run_is_off_the_graphs_is_found_wherever_it_is(eight):
