@@ -15,6 +15,7 @@ from wmr_ctrl import command_filter, load_scenario
 from wmr_ctrl.control.filter.enclosure import Span
 from wmr_ctrl.control.filter.peak_gain import (
     PiLoop,
+    _arc,
     _gain_bound,
     _push_bound,
     less_damped,
@@ -49,6 +50,12 @@ def variation(base, column):
     slowest = -np.linalg.eigvals(base.A).real.max()
     times = np.linspace(0, 25 / slowest, 20001)
     return float(np.trapezoid(np.abs(base.impulse(column, times)), times))
+
+
+def test_a_bound_of_an_arc_is_less_by_the_next_term_of_its_series():
+    q = np.array([1e-3, 0.1, 0.3])
+    less = np.arcsin(q) / q - _arc(Span.of(q**2))
+    assert ((less >= -1e-15) & (less <= 0.04 * q**8 + 1e-15)).all()
 
 
 shares = st.floats(0, 1)

@@ -129,6 +129,16 @@ def test_limits_that_may_change_leave_no_less_than_the_clip():
     assert min(step((9.0, 0.0)).command[0] for _ in range(60)) > 0.95 / 1.1 - 1e-7
 
 
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_the_slowest_base_lands_on_a_lowered_limit_in_the_shortest_period(jitter):
+    own = PLAIN | changes(f"filter.changing = true; filter.jitter = {0.05 * jitter}")
+    step, low = CommandFilter(load_scenario("paper-simulation", own)).step, [(-0.9, 0.9)] * 2
+    v, sent = 1.0, [step((9.0, 0.0)).command[0] for _ in range(200)][-1]
+    assert 1.1 * sent + 0.05 == pytest.approx(v)
+    target = 1.1 * step((9.0, 0.0), limits=low).command[0] + 0.05
+    assert target + math.exp(-0.05 * (1 - jitter) / 0.3) * (v - target) == pytest.approx(0.9)
+
+
 def test_a_brake_that_late_turning_keeps_open_keeps_the_limit():
     """Commands of v act at once, those of omega 0.4 s later; a push drives v on meanwhile."""
     own = "filter.d = [0.2, 0.2]; filter.rest = 0.1; filter.delay = [[0, 0], [0.4, 0.4]]"
