@@ -2,9 +2,9 @@
 
 ``python -m benchmarks.corridor [--runs 8000] [--row 1] [--out PAGE]``: a table of
 benchmarks/results.md. Each case is a preset with changes.  The adversary
-(`tests.corridor.adversary`) drives a loop that shares no code with the certificate, by the worst
-signs for 8 directions at the bound and a fifth beyond it.  Random runs are native ones from a start
-on the path, with pushes and errors drawn uniformly from within the bound.
+(`benchmarks.corridor_adversary`) drives a loop that shares no code with the certificate, by the
+worst signs for 8 directions at the bound and a fifth beyond it.  Random runs are native ones from
+a start on the path, with pushes and errors drawn uniformly from within the bound.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.corridor_adversary import farthest
 from benchmarks.corridor_attacks import farthest_displaced, farthest_misled, farthest_on_the_way
 from benchmarks.gains import sharing
 from benchmarks.parts import millimetres, renew
-from tests.corridor.adversary import farthest
 from wmr_ctrl.api import simulate_many
 from wmr_ctrl.control.given import scenario_of
 from wmr_ctrl.theory.corridor import find_corridor

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tests.corridor.adversary import (
+from benchmarks.corridor_adversary import (
     DIRECTIONS,
     STRIDE,
     TINY,

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from tests.corridor.adversary import TINY, TRIED, farthest_first, led_by, worst_pushes
+from benchmarks.corridor_adversary import TINY, TRIED, farthest_first, led_by, worst_pushes
 from tests.corridor.further import (
     GUARDED,
     PUSHED,

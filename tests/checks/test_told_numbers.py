@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.corridor.adversary import Attacked
+from benchmarks.corridor_adversary import Attacked
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.theory.checks import stability
 from wmr_ctrl.theory.checks.outlook import CheckVerdict, verdict

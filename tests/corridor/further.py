@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.corridor.adversary import Attacked
+from benchmarks.corridor_adversary import Attacked
 from tests.papers_robot import preset, safe
 from tests.tables import changes
 

@@ -6,7 +6,7 @@ the torque that it sent, as in the product.
 
 import numpy as np
 
-from tests.corridor.adversary import TINY, TRIED, Attacked, Excursion, led_by
+from benchmarks.corridor_adversary import TINY, TRIED, Attacked, Excursion, led_by
 from tests.oracle.plant import wheel_torques
 
 ROUNDS = 4

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.corridor.adversary import Attacked
+from benchmarks.corridor_adversary import Attacked
 from tests.corridor.sending import course
 
 TINY = 1e-6

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl.theory.corridor as room
-from tests.corridor.adversary import (
+from benchmarks.corridor_adversary import (
     farthest,
 )
 from tests.papers_robot import safe

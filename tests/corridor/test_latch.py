@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.corridor.adversary import attack
+from benchmarks.corridor_adversary import attack
 from tests.papers_robot import safe
 from tests.simulation.physics.shove import SHOVE
 from tests.tables import changes

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.corridor.adversary import worst_errors, worst_pushes
+from benchmarks.corridor_adversary import worst_errors, worst_pushes
 from tests.corridor.further import farthest_lost, lossy, simulated
 from tests.tables import changes
 from wmr_ctrl.core.errors import ScenarioError

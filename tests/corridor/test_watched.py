@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.corridor.adversary import Attacked
+from benchmarks.corridor_adversary import Attacked
 from tests.corridor.test_every_sample import LITTLE, PERIOD, heavier, simulated, timed
 from tests.tables import changes
 from wmr_ctrl.theory.corridor import corridor_monitor, find_corridor

@@ -7,6 +7,7 @@ time has the signs of that response, read backwards.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -16,7 +17,9 @@ import numpy as np
 from tests.oracle.auxiliary import tracking_error
 from tests.oracle.loop import Recorder, _Loop
 from wmr_ctrl.control.setup import settle
+from wmr_ctrl.world.model.evaluate import Floats
 from wmr_ctrl.world.references import sample
+from wmr_ctrl.world.scenario import Scenario
 
 TINY = 1e-4
 WINDOW = 150
@@ -34,12 +37,12 @@ class Excursion:
     a force.
     """
 
-    e: np.ndarray
+    e: Floats
     torque: float
     clipped: bool
 
     @property
-    def position(self):
+    def position(self) -> float:
         """Largest distance from the place on the path [m]."""
         return float(np.hypot(self.e[:, 0], self.e[:, 1]).max())
 
@@ -47,7 +50,15 @@ class Excursion:
 class Attacked(_Loop):
     """The oracle's loop from a start on the path, with given pushes and measurement errors."""
 
-    def __init__(self, scenario, law, push, pose=None, velocity=None, changing=False):
+    def __init__(
+        self,
+        scenario: Scenario,
+        law: str,
+        push: Floats,
+        pose: Floats | None = None,
+        velocity: Floats | None = None,
+        changing: bool = False,
+    ) -> None:
         setup = settle(scenario, law)
         clock = replace(scenario.clock, duration=len(push) * scenario.clock.control)
         kept = [item for item in scenario.changes if changing and item.t < clock.duration]
@@ -61,7 +72,7 @@ class Attacked(_Loop):
             self.sensor.velocity_error = velocity
         self.errors, self.jump, self.at = [], None, 0
 
-    def _plant_step(self, n, torque, noise):
+    def _plant_step(self, n: int, torque: Floats, noise: Floats) -> None:
         if self.jump is not None and n == self.at:
             x, y, theta, *rest = self.state
             ahead, left, turn = self.jump
@@ -71,20 +82,29 @@ class Attacked(_Loop):
         target = self.reference((n + 1) * self.clock.plant)
         self.errors.append(tracking_error(target, self.state[:3]))
 
-    def goes_on(self, first, end):
+    def goes_on(self, first: int, end: int) -> int:
         """Run samples ``first`` to ``end`` - 1, unless the run has ended; return ``end``."""
         for k in range(first, end):
             if not self.ended:
                 self._sample(k)
         return end
 
-    def branched(self):
+    def branched(self) -> Attacked:
         """Independent copy of the loop that continues from here with an empty log."""
         self.log, self.errors = Recorder(self._memory()), []
         return deepcopy(self, {id(self.scenario): self.scenario})
 
 
-def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, changing=False):
+def attack(
+    scenario: Scenario,
+    law: str,
+    push: Floats,
+    pose: Floats | None = None,
+    velocity: Floats | None = None,
+    jump: Sequence[float] | None = None,
+    at: int = 0,
+    changing: bool = False,
+) -> Excursion:
     """Excursion under wheel torques ``push`` (N, 2) and errors ``pose``, ``velocity`` (N, 2).
 
     At sample ``at`` the robot is displaced by ``jump``: ahead, aside [m] and a turn [rad].  With
@@ -98,7 +118,7 @@ def attack(scenario, law, push, pose=None, velocity=None, jump=None, at=0, chang
     return Excursion(np.array(loop.errors), float(torque), bool(np.any(columns["clip_active"])))
 
 
-def farthest_first(led, size=1.0):
+def farthest_first(led: Sequence[Floats], size: Floats | float = 1.0) -> list[Floats]:
     """Signs of each sequence in ``led`` (N, 2) times ``size``, worst sequence first.
 
     The worst sequence has the largest sum of absolute responses over samples and axes.
@@ -107,7 +127,7 @@ def farthest_first(led, size=1.0):
     return [np.sign(answers) * size for answers in order]
 
 
-def led_by(answers, turn=0.0):
+def led_by(answers: Sequence[Floats], turn: float = 0.0) -> list[Floats]:
     """For each of DIRECTIONS: final displacement that way per unit of input (N, 2) at each sample.
 
     ``answers``: errors e (N, 3) after a single input of each axis.  The axes are the robot's at
@@ -122,7 +142,7 @@ def led_by(answers, turn=0.0):
 
 
 @lru_cache(maxsize=16)
-def worst_pushes(scenario, law, samples, size):
+def worst_pushes(scenario: Scenario, law: str, samples: int, size: float) -> list[Floats]:
     """For each of DIRECTIONS: pushes (N, 2) of ``size`` that displace the robot most that way.  The
     worst of all comes first.
     """
@@ -137,12 +157,16 @@ def worst_pushes(scenario, law, samples, size):
 
 
 @lru_cache(maxsize=64)
-def pushed(scenario, law, samples, size, times, place):
+def pushed(
+    scenario: Scenario, law: str, samples: int, size: float, times: float, place: int
+) -> Excursion:
     """Excursion under one of the worst pushes, scaled by ``times``."""
     return attack(scenario, law, times * worst_pushes(scenario, law, samples, size)[place])
 
 
-def worst_errors(scenario, law, samples, kind, size):
+def worst_errors(
+    scenario: Scenario, law: str, samples: int, kind: str, size: Floats
+) -> list[Floats]:
     """For TRIED of DIRECTIONS: errors (N, 2) of ``kind`` "pose" or "velocity" that displace the
     robot most.
 
@@ -165,7 +189,9 @@ def worst_errors(scenario, law, samples, kind, size):
     return farthest_first(led_by(answers, rate * scenario.clock.control), size)[:TRIED]
 
 
-def farthest(scenario, law, samples, size, times=1.0):
+def farthest(
+    scenario: Scenario, law: str, samples: int, size: float, times: float = 1.0
+) -> Excursion:
     """Largest excursion under the worst pushes that are tried, times ``times``."""
     found = (pushed(scenario, law, samples, size, times, place) for place in range(TRIED))
     return max(found, key=lambda x: x.position)
