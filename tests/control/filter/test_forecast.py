@@ -6,7 +6,15 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from wmr_ctrl.control.filter.forecast import Fading, at_most, least_of, stays_of
+from wmr_ctrl.control.filter.forecast import (
+    FLATTEST,
+    PIECES,
+    Fading,
+    at_most,
+    bounds_after,
+    least_of,
+    stays_of,
+)
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 16])
@@ -41,3 +49,13 @@ def test_the_past_leads_no_further_than_the_limit():
 
     assert float(ca.evalf(above)) == pytest.approx(0.1, abs=1e-8)
     assert float(ca.evalf(below)) == pytest.approx(0.3)
+
+
+def test_a_bound_one_period_before_is_the_younger_one_and_no_line_is_flat():
+    high = np.random.default_rng(1).normal(size=3 * PIECES)
+    high[0] = high[PIECES] + FLATTEST
+    younger = [*high[: -PIECES - 1], max(high[-PIECES - 1 :])]
+    least = [y if y <= own else max(y, own + 2 * FLATTEST)
+             for y, own in zip(younger, high[PIECES:], strict=True)]  # fmt: skip
+    found = ca.evalf(bounds_after(ca.SX(high)))
+    assert np.array(found).ravel().tolist() == least

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import signal
 
 import wmr_ctrl
 from tests.control.bases import VELOCITY, based
@@ -13,7 +14,7 @@ from wmr_ctrl.control.filter.band import enclosed
 from wmr_ctrl.control.filter.clip import slew_reach
 from wmr_ctrl.control.filter.filter import command_filter
 from wmr_ctrl.control.filter.forecast import PIECES
-from wmr_ctrl.control.filter.held_loop import HeldLoop, held_friction
+from wmr_ctrl.control.filter.held_loop import HeldLoop, _time_of_pushes, held_friction
 from wmr_ctrl.control.filter.peak_gain import PiLoop, peak_gains
 from wmr_ctrl.control.setup import settle
 from wmr_ctrl.core.errors import ScenarioError
@@ -117,6 +118,21 @@ def test_slow_commands_reach_what_the_sum_over_steps_tells():
     held = h * np.abs(left[first:]).sum() + peak_gains(run)[0].gain * run.clock.control / 2
     reach, alone = slew_reach(run)[0], slew_reach(override(run, ALONE))[0]
     assert alone < held <= reach
+
+
+def test_a_loop_whose_step_passes_its_goal_has_no_continuous_one():
+    assert HeldLoop((1.0, 1.0), 1500.0, 1.0, (0.0, 0.0), 1e-3).through() is None
+
+
+@pytest.mark.parametrize("z", [0.2, 0.7])
+def test_a_push_lasts_as_long_as_the_rest_of_a_step_over_the_peak_gain(z):
+    base = override(based(OVERSHOOTING), {
+        "base.loop": "second-order", "base.damping": z, "base.frequency": 3.0})  # fmt: skip
+    times = np.linspace(0, 40 / z, 200_001)
+    _, S = signal.step(([9.0], [1.0, 6.0 * z, 9.0]), T=times)
+    _, impulse = signal.impulse(([9.0], [1.0, 6.0 * z, 9.0]), T=times)
+    rest, gain = (float(np.trapezoid(np.abs(x), times)) for x in (1 - S, impulse))
+    assert _time_of_pushes(base, 0) - base.clock.plant == pytest.approx(rest / gain, rel=1e-6)
 
 
 def test_a_run_takes_the_steps_that_are_counted_on():

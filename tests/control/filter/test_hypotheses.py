@@ -32,3 +32,9 @@ def test_a_command_that_acts_as_0_pushes_on_unless_a_clip_alone_sends_it(own, co
     base = override(scenario(d=(0.01, 0.01), push=(0.0, 0.0), **own), BASE)
     said = broken_hypotheses(base, Bound(dropped=(0.02, 0.0)))
     assert bool(said) == counts
+
+
+@pytest.mark.parametrize("later", [{"m": 61.0}, {"I": 3.8}])
+def test_a_loop_that_changes_has_no_peak_gain(later):
+    base = override(scenario(), BASE | {"changes": [{"t": 1.0, **later}]})
+    assert any("[[changes]]" in text for text in broken_hypotheses(base, Bound()))

@@ -9,8 +9,16 @@ from scipy.signal import lti, step
 from tests.control.filter.test_peak_gain import LOOP, WIDE, scenario
 from tests.tables import cases, changes
 from wmr_ctrl import command_filter
+from wmr_ctrl.control.filter.enclosure import Span
 from wmr_ctrl.control.filter.peak_gain import PiLoop
-from wmr_ctrl.control.filter.step_response import band, pi_cells, swing
+from wmr_ctrl.control.filter.step_response import (
+    _between,
+    _left,
+    band,
+    deviation,
+    pi_cells,
+    swing,
+)
 from wmr_ctrl.core.errors import ScenarioError
 from wmr_ctrl.world.scenario import override
 
@@ -23,6 +31,25 @@ def test_commands_change_no_faster_than_stated_and_both_axes_together():
     assert (np.abs(np.diff(sent, axis=0)) <= np.array([0.1, 0.25]) * 0.05 * (1 + 1e-12)).all()
     assert sent[40] == pytest.approx(0.4 * np.array([0.5, 0.2]))  # on the way, curvature kept
     assert sent[-1] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("ki", [100.0, 900.0])
+def test_a_response_and_what_bounds_it_afterwards_are_those_of_one_loop(ki):
+    M, kp, c, times = 50.0, 150.0, 5.0, np.linspace(0, 6, 6001)
+    cells = pi_cells(PiLoop((M, M), (kp, kp), (ki, ki), (c, c)))[:1]
+    e, speed = deviation(cells, Span.of(times[None]))
+    _, S = step(lti([kp, ki], [M, kp + c, ki]), T=times)
+    np.testing.assert_allclose(e.lo[0], 1 - S, atol=1e-9)
+    np.testing.assert_allclose(speed.lo[0], -np.gradient(S, times), atol=0.01)
+    for at in (0, 500):
+        later = np.abs(1 - S[at:]) * np.exp(0.3 * (times[at:] - times[at]))
+        assert (later <= _left(cells, e, speed, 0.3, at)[0]).all()
+
+
+def test_a_piece_lies_between_its_ends_and_what_bends_it():
+    lower, upper = _between(Span.of(np.array([[0.0, 1.0, 0.5]])), np.array([[0.1, 0.2]]))
+    assert lower[0] == pytest.approx([-0.1, 0.3])
+    assert upper[0] == pytest.approx([1.1, 1.2])
 
 
 @pytest.mark.slow
