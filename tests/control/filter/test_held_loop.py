@@ -120,10 +120,6 @@ def test_slow_commands_reach_what_the_sum_over_steps_tells():
     assert alone < held <= reach
 
 
-def test_a_loop_whose_step_passes_its_goal_has_no_continuous_one():
-    assert HeldLoop((1.0, 1.0), 1500.0, 1.0, (0.0, 0.0), 1e-3).through() is None
-
-
 @pytest.mark.parametrize("z", [0.2, 0.7])
 def test_a_push_lasts_as_long_as_the_rest_of_a_step_over_the_peak_gain(z):
     base = override(based(OVERSHOOTING), {

@@ -33,8 +33,8 @@ def test_commands_change_no_faster_than_stated_and_both_axes_together():
     assert sent[-1] == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
-@pytest.mark.parametrize("ki", [100.0, 900.0])
-def test_a_response_and_what_bounds_it_afterwards_are_those_of_one_loop(ki):
+@pytest.mark.parametrize("ki, rate", [(100.0, 0.3), (900.0, 1.545)])
+def test_a_response_and_what_bounds_it_afterwards_are_those_of_one_loop(ki, rate):
     M, kp, c, times = 50.0, 150.0, 5.0, np.linspace(0, 6, 6001)
     cells = pi_cells(PiLoop((M, M), (kp, kp), (ki, ki), (c, c)))[:1]
     e, speed = deviation(cells, Span.of(times[None]))
@@ -42,8 +42,8 @@ def test_a_response_and_what_bounds_it_afterwards_are_those_of_one_loop(ki):
     np.testing.assert_allclose(e.lo[0], 1 - S, atol=1e-9)
     np.testing.assert_allclose(speed.lo[0], -np.gradient(S, times), atol=0.01)
     for at in (0, 500):
-        later = np.abs(1 - S[at:]) * np.exp(0.3 * (times[at:] - times[at]))
-        assert (later <= _left(cells, e, speed, 0.3, at)[0]).all()
+        later = np.abs(1 - S[at:]) * np.exp(rate * (times[at:] - times[at]))
+        assert (later <= _left(cells, e, speed, rate, at)[0]).all()
 
 
 def test_a_piece_lies_between_its_ends_and_what_bends_it():
