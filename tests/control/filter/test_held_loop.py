@@ -272,3 +272,9 @@ def test_friction_that_is_too_steep_for_a_plant_step_is_refused_behind_every_fil
     enough = float(str(refused.value).split("to at most ")[1].split(" s")[0])
     assert 0.004 < enough < 0.005
     settle(override(stated, {"clock.plant": 0.05 / math.ceil(0.05 / enough)}), "kanayama")
+
+
+def test_a_governor_of_wheels_needs_one_gain_for_both_axes():
+    run = override(limited(GOVERNOR | {"gain": [0.9, 1.1]}, 0.0, 0.001), {"base.gain": [1.0, 1.05]})
+    with pytest.raises(ScenarioError, match="loops of v and omega differ"):
+        settle(run, "kanayama")
