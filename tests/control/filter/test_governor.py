@@ -1,11 +1,14 @@
 """The governor's bounds of a first-order base, in numbers."""
 
+from math import exp
+
 import casadi as ca
 import pytest
 
 from wmr_ctrl.control.filter.governor import (
     FirstOrder,
     Schedule,
+    SpeedBound,
     admitted,
     drive,
     drive_back,
@@ -34,6 +37,14 @@ def test_behind_a_slower_base_a_larger_command_is_safe():
 @pytest.mark.parametrize("target, bound", [(1.0, 0.5 + 0.8 * 0.5), (0.0, 0.5 - 0.2 * 0.5)])
 def test_a_bound_rises_by_the_most_and_falls_by_the_least(target, bound):
     assert number(relaxed(0.5, target, 0.8, 0.2)) == pytest.approx(bound)
+
+
+def test_old_odometry_is_carried_through_each_piece_of_time_since():
+    late, v, sent = Schedule((0.3, 0.3), age=1.0), 0.2, [0.0, 0.7, -0.4]
+    for piece in late.pieces(-1.0, 0.0, 1):
+        v += (1 - exp((piece.start - piece.end) / 3)) * (sent[piece.ages[0]] - v)
+    bound = SpeedBound(late, B, (ca.SX(3),) * 2, ca.SX(1))
+    assert number(bound.now(ca.SX(0.2), ca.SX(1), sent)) == pytest.approx(v)
 
 
 def test_a_share_is_that_of_the_limit_on_its_side():
