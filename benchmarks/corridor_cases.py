@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.corridor_adversary import TINY, TRIED, farthest_first, led_by, worst_pushes
+from benchmarks.corridor_late import farthest_held, farthest_jittered
 from tests.corridor.further import (
     GUARDED,
     PUSHED,
@@ -19,7 +20,6 @@ from tests.corridor.further import (
     lossy,
     simulated,
 )
-from tests.corridor.late import farthest_held, farthest_jittered
 from tests.corridor.sending import FIRST, Course, course
 from tests.oracle.references import reference_of
 from tests.tables import changes

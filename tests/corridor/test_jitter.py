@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.corridor_late import farthest_held, farthest_jittered
 from tests.corridor.further import GUARDED, simulated
-from tests.corridor.late import farthest_held, farthest_jittered
 from wmr_ctrl.theory.corridor import find_corridor
 
 

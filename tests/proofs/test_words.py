@@ -59,7 +59,7 @@ NOT_SAMPLED = {
     "corridor.dead-band": "tests/corridor/sending.py",
     "corridor.wheel-speed": "tests/corridor/sending.py",
     "corridor.pi-loop": "an equality of graphs",
-    "corridor.guard-late": "tests/corridor/late.py",
+    "corridor.guard-late": "benchmarks/corridor_late.py",
     "corridor.jitter": "tests/corridor/test_jitter.py",
     "corridor.ramp": "tests/corridor/sending.py",
 }

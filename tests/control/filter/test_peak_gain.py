@@ -18,6 +18,7 @@ from wmr_ctrl.control.filter.peak_gain import (
     _arc,
     _gain_bound,
     _push_bound,
+    largest,
     less_damped,
     overshoot,
     peak_gains,
@@ -56,6 +57,14 @@ def test_a_bound_of_an_arc_is_less_by_the_next_term_of_its_series():
     q = np.array([1e-3, 0.1, 0.3])
     less = np.arcsin(q) / q - _arc(Span.of(q**2))
     assert ((less >= -1e-15) & (less <= 0.04 * q**8 + 1e-15)).all()
+
+
+def test_a_box_that_is_done_with_counts_while_others_are_halved():
+    def bound(x, y):
+        return np.where(x.hi < 2, 1.0, 0.3 + 2 * (y.hi - y.lo))
+
+    boxes = Span(np.array([0.0, 2.0]), np.array([1.0, 3.0]))
+    assert largest(bound, boxes, boxes) == 1.0
 
 
 shares = st.floats(0, 1)

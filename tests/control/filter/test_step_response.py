@@ -42,6 +42,7 @@ def test_a_response_and_what_bounds_it_afterwards_are_those_of_one_loop(ki, rate
     np.testing.assert_allclose(e.lo[0], 1 - S, atol=1e-9)
     np.testing.assert_allclose(speed.lo[0], -np.gradient(S, times), atol=0.01)
     assert (np.abs(1 - S) * np.exp(rate * times) <= _left(cells, e, speed, rate, 0)[0]).all()
+    assert np.isinf(_left(cells, e, speed, 1.6, 0)).all()
 
 
 def test_a_piece_lies_between_its_ends_and_what_bends_it():

@@ -1,6 +1,7 @@
 """Distances of a stop by formulas, against a base that is integrated."""
 
 import math
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from wmr_ctrl.control.filter.governor import FirstOrder, Schedule
 from wmr_ctrl.control.filter.ways import (
+    LARGEST,
     Reached,
     Stop,
     ToldBound,
@@ -112,6 +114,12 @@ def test_a_brake_lifts_a_bound_below_zero_and_the_most_of_what_acts_cuts_it():
     cut = told_bound([0, 0, 0], (1.0, 0.3, 0.2))
     assert float(ca.evalf(cut.carried(ca.SX(0.9), piece, [ca.SX(1.0)] * 3, shares))) <= 0.3
     assert float(ca.evalf(cut.present(ca.SX(0.9)))) == 0.3
+
+
+@pytest.mark.parametrize("hold, push", [(1.0, 0.05), (2.0, -LARGEST)])
+def test_a_base_stops_on_its_own_between_punctual_commands_only_if_it_holds_briefly(hold, push):
+    told = replace(told_bound([0, 0, 0]), schedule=Schedule((0.0, 0.5), hold=hold))
+    assert float(ca.evalf(told.stopped[0])) == push
 
 
 def test_the_way_until_the_next_sample_counts_no_motion_backwards():

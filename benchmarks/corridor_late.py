@@ -4,10 +4,14 @@ A command acts after a wait of some plant steps; until then the previous one act
 the torque that it sent, as in the product.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from benchmarks.corridor_adversary import TINY, TRIED, Attacked, Excursion, led_by
 from tests.oracle.plant import wheel_torques
+from wmr_ctrl.world.model.evaluate import Floats
+from wmr_ctrl.world.scenario import Scenario
 
 ROUNDS = 4
 
@@ -15,10 +19,10 @@ ROUNDS = 4
 class _Waiting:
     """Drives in which the command of sample k waits for ``waits[k]`` plant steps."""
 
-    def __init__(self, waits, steps, before):
+    def __init__(self, waits: Floats, steps: int, before: tuple[float, float]) -> None:
         self.waits, self.steps, self.before, self.now, self.n = waits, steps, before, before, 0
 
-    def advance(self, commanded):
+    def advance(self, commanded: tuple[float, float]) -> tuple[float, float]:
         k, phase = divmod(self.n, self.steps)
         if phase == 0:
             self.before, self.now = self.now, commanded
@@ -26,7 +30,7 @@ class _Waiting:
         return self.now if phase >= self.waits[k] else self.before
 
 
-def taken(scenario, v):
+def taken(scenario: Scenario, v: float) -> tuple[float, float]:
     """Wheel torques that balance friction at a velocity."""
     robot = scenario.robot
     friction = robot.mu * robot.m * robot.g * np.tanh(v / robot.v_s)
@@ -36,17 +40,17 @@ def taken(scenario, v):
 class Jittered(Attacked):
     """The oracle's loop with `_Waiting` drives, whose first command balances friction."""
 
-    def __init__(self, scenario, law, push, waits):
+    def __init__(self, scenario: Scenario, law: str, push: Floats, waits: Floats) -> None:
         super().__init__(scenario, law, push)
         before = taken(scenario, self.state[3])
         self.actuator = _Waiting(waits, scenario.clock.substeps, before)
 
-    def _sample(self, k):
+    def _sample(self, k: int) -> None:
         super()._sample(k)
         self.applied = self.sent[0]
 
 
-def jittered(scenario, law, push, waits):
+def jittered(scenario: Scenario, law: str, push: Floats, waits: Floats) -> tuple[Excursion, Floats]:
     """Excursion, and the torques that were sent (N, 2)."""
     loop = Jittered(scenario, law, push, waits)
     loop.run()
@@ -56,17 +60,21 @@ def jittered(scenario, law, push, waits):
     return Excursion(np.array(loop.errors), float(np.abs(sent).max()), clipped), sent
 
 
-def farthest_held(scenario, law, samples, size, wait):
+def farthest_held(scenario: Scenario, law: str, samples: int, size: float, wait: int) -> Excursion:
     """Largest excursion under pushes of ``size`` if every command waits ``wait`` plant steps."""
     return _farthest(scenario, law, samples, size, (wait, wait))
 
 
-def farthest_jittered(scenario, law, samples, size, most, times=1.0):
+def farthest_jittered(
+    scenario: Scenario, law: str, samples: int, size: float, most: int, times: float = 1.0
+) -> Excursion:
     """Largest excursion under pushes of ``size`` and waits of up to ``most`` plant steps."""
     return _farthest(scenario, law, samples, times * size, (0, most))
 
 
-def _farthest(scenario, law, samples, size, ends):
+def _farthest(
+    scenario: Scenario, law: str, samples: int, size: float, ends: tuple[int, int]
+) -> Excursion:
     steps, held = scenario.clock.substeps, np.full(samples, sum(ends) // 2)
     blank = np.zeros((samples, 2))
     rest = jittered(scenario, law, blank, held)[0].e[steps - 1 :: steps]
