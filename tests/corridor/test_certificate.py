@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import wmr_ctrl.theory.corridor as room
-from benchmarks.corridor_adversary import (
-    farthest,
-)
+from benchmarks.corridor_adversary import farthest
 from tests.papers_robot import safe
 from tests.tables import cases, changes
 from wmr_ctrl.control.setup import settle

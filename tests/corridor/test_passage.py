@@ -48,12 +48,13 @@ def test_spans_hold_what_balls_of_high_precision_say(wide):
     assert wide > 0 or result.radius.max() < 1e-14
 
 
+EIGHT = {"reference.kind": "lemniscate", "clock.duration": 1.0,
+         "changes": [{"t": 0.505, "m": 60.0}]}  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def eight():
-    changes = [{"t": 0.505, "m": 60.0}]
-    told = {"reference.kind": "lemniscate", "clock.duration": 1.0, "changes": changes}
-    told |= {"actuator.delay": 0.02, "guard.enabled": False}
-    return Along(settle(safe(told), "prox"))
+    return Along(settle(safe(EIGHT), "prox"))
 
 
 def test_linear_bound_is_that_of_both_ends_of_a_sample(eight):
@@ -64,11 +65,15 @@ def test_linear_bound_is_that_of_both_ends_of_a_sample(eight):
     assert (bounds.linear > 0.75 * bounds.position).all()
 
 
+def late_passing(law, start, **changed):
+    """A passage of a loop behind a delay, not begun."""
+    told = {**EIGHT, **changed, "actuator.delay": 0.02, "guard.enabled": False}
+    setup = settle(safe(told), law)
+    return Passing(Along(setup), bounded_inputs(setup), np.full(3, start))
+
+
 def test_each_command_that_may_act_counts_in_a_sample(monkeypatch):
-    told = {"reference.kind": "lemniscate", "clock.duration": 0.1, "actuator.delay": 0.02,
-            "guard.enabled": False, "changes": []}  # fmt: skip
-    setup = settle(safe(told), "mb")
-    passing = Passing(Along(setup), bounded_inputs(setup), np.zeros(3))
+    passing = late_passing("mb", 0.0, **{"clock.duration": 0.1, "changes": []})
     place = slice(passing.nz, passing.nz + 2)
     monkeypatch.setattr(passing, "_left", lambda _, sizes, *given: sizes[:, place])
     passing.commands, now = np.array([[5.0, 1.0], [2.0, 3.0]]), SimpleNamespace(count=2)
@@ -78,9 +83,9 @@ def test_each_command_that_may_act_counts_in_a_sample(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def passed(eight):
+def passed():
     """A passage through a whole run, with the samples at which it bounded second derivatives."""
-    passing, asked = Passing(eight, bounded_inputs(eight.setup), np.full(3, 1e-3)), []
+    passing, asked = late_passing("prox", 1e-3), []
 
     def recorded(place, now):
         asked.append((place, now.k))
@@ -90,8 +95,10 @@ def passed(eight):
     return passing, passing.run(), asked
 
 
-def test_each_chunk_has_second_derivatives_of_its_own(eight, passed):
-    assert {(place, first) for first, _ in eight.chunks() for place in (0, 1)} <= set(passed[2])
+def test_each_chunk_has_second_derivatives_of_its_own(passed):
+    passing, _, asked = passed
+    chunks = passing.along.chunks()
+    assert {(place, first) for first, _ in chunks for place in (0, 1)} <= set(asked)
 
 
 def test_commands_that_may_act_later_are_those_of_the_last_samples(passed):

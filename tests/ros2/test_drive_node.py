@@ -140,7 +140,20 @@ def test_without_odometry_that_counts_it_ramps_to_rest(faults, fault):
     assert found["there"]
 
 
-@pytest.mark.parametrize("base", ["faults of the drive", "faults with efforts"])
+PERIOD = 0.05
+"""Period of the law that commands torques [s]; a sample after 1.5 periods counts as missing."""
+
+
+def in_time(found, seconds):
+    """Bar of the reaction time for torques: a node's ticks are periods."""
+    return seconds + 2 * max(PERIOD, found["silence"]) + SLACK
+
+
+BARS = {"faults of the drive": bar, "faults with efforts": in_time}
+each_base = pytest.mark.parametrize("base", BARS)
+
+
+@each_base
 def test_where_all_is_well_diagnostics_say_so(report, base):
     said = report(base)["real"]["well"]
 
@@ -172,19 +185,6 @@ def test_what_latches_waits_for_a_reset(faults):
     assert real["too fast"]["falls"] <= bar(real["too fast"], 0.0)
     assert real["too fast"]["steps"] <= STEP
     assert real["latched"] == [[0.0, 0.0], True]
-
-
-PERIOD = 0.05
-"""Period of the law that commands torques [s]; a sample after 1.5 periods counts as missing."""
-
-
-def in_time(found, seconds):
-    """Bar of the reaction time for torques: a node's ticks are periods."""
-    return seconds + 2 * max(PERIOD, found["silence"]) + SLACK
-
-
-BARS = {"faults of the drive": bar, "faults with efforts": in_time}
-each_base = pytest.mark.parametrize("base", BARS)
 
 
 @each_base
